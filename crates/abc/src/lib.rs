@@ -1,0 +1,1 @@
+//! Gradient estimation, classification and shading

@@ -1,0 +1,1 @@
+//! Cubic frame buffer: 3-D skewed memory modules

@@ -1,0 +1,1 @@
+//! Clock, bounded pipelined channels, unit accounting

@@ -1,0 +1,1 @@
+//! Fast bus and 2-D skewed buffers

@@ -1,0 +1,1 @@
+//! The host computer: base plane, templates, tables, registers, warp

@@ -1,0 +1,1 @@
+//! Reference ray casters in f64

@@ -1,0 +1,1 @@
+//! What to show: view, transfer function, light, mode, cut planes

@@ -1,0 +1,1 @@
+//! Sheared trilinear interpolation

@@ -1,0 +1,1 @@
+//! Voxel grids: file formats, phantoms, conversion to voxel words

@@ -1,0 +1,1 @@
+//! Fixed-point words: rounding, saturation, interpolation, every bit-exact operation
