@@ -1,1 +1,21 @@
-//! Fixed-point words: rounding, saturation, interpolation, every bit-exact operation
+//! Fixed-point words: rounding, saturation, interpolation; every bit-exact operation of the machine.
+//!
+//! Three kinds of word occur in Cube-3:
+//!
+//! - **integers**, signed or not, that saturate at their width: samples, gradients;
+//! - **fractions** of `f` bits that stand for `raw / 2^f`, the closed range [0, 1] included: weights;
+//! - **unit words** of `b` bits that stand for `raw / (2^b − 1)`, so that both 0 and 1 are exact:
+//!   opacity and colour. That a full opacity hides *everything* and a zero one *nothing*, to the bit,
+//!   is what lets a plan leave samples out.
+//!
+//! The functions here are the definition; units and their vectorised lanes are built from them.
+
+mod formats;
+mod lanes;
+mod rounding;
+mod unit;
+
+pub use formats::{WordError, Words};
+pub use lanes::vectorised;
+pub use rounding::{Rounding, Shift, lerp, saturate};
+pub use unit::{quantise_fraction, quantise_unit, unit_full, unit_mul, unit_resize};
