@@ -1,1 +1,34 @@
-//! Figures, tables and the HTML report
+//! The report of `cube3 run`: what the machine did, what it cost and how far the picture is off.
+//!
+//! [`RunReport`] holds every number once. [`to_json`], [`table`] and [`html`] are three views of it,
+//! for a script, a terminal and a browser:
+//!
+//! ```text
+//!                  ┌─► to_json, write_json   report.json
+//!     RunReport ───┼─► table                 the terminal
+//!                  └─► html  ◄── png_rgb8    report.html, one page that needs nothing else
+//! ```
+
+mod bars;
+mod check;
+mod digest;
+mod error;
+mod facts;
+mod html;
+mod json;
+mod png;
+mod quantity;
+mod run_report;
+mod shares;
+mod table;
+
+pub use digest::sha256_hex;
+pub use error::ReportError;
+pub use html::{Figure, html};
+pub use json::{from_json, to_json, write_json};
+pub use png::{png_rgb8, to_rgb8};
+pub use run_report::{
+    ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, PlanReport, Program, RunReport, SCHEMA,
+    TimingCounts, TimingReport, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport,
+};
+pub use table::table;

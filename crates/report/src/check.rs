@@ -1,0 +1,134 @@
+//! What must hold in every report.
+
+use cube3_metrics::ImageError;
+
+use crate::{ChannelReport, ReportError, RunReport, SCHEMA, TimingReport, UnitReport};
+
+/// How far two ways to compute one number may differ, relative to it.
+const ROUNDING: f64 = 1e-9;
+
+impl RunReport {
+    /// Checks that every cycle of every unit is accounted for, that no channel lost or invented a
+    /// token, that times and rates follow from the cycles, and that every number is finite.
+    ///
+    /// # Errors
+    ///
+    /// The first of these that does not hold, with the place and the numbers.
+    pub fn check(&self) -> Result<(), ReportError> {
+        if self.schema != SCHEMA {
+            return Err(ReportError::Schema { found: self.schema.into(), expected: SCHEMA });
+        }
+        self.check_finite()?;
+        match &self.timing {
+            Some(timing) => {
+                timing.check()?;
+                self.units.iter().try_for_each(|unit| unit.check(timing.cycles))?;
+            }
+            None if self.units.is_empty() => {}
+            None => return Err(ReportError::UnitsWithoutTiming { units: self.units.len() }),
+        }
+        self.channels.iter().try_for_each(ChannelReport::check)
+    }
+
+    /// Checks that every number is finite.
+    pub(crate) fn check_finite(&self) -> Result<(), ReportError> {
+        let finite = |key: &str, value: f64| finite(key, value);
+        for value in self.volume.spacing {
+            finite("volume.spacing", value)?;
+        }
+        for value in self.view.slopes {
+            finite("view.slopes", value)?;
+        }
+        finite("view.offset", self.view.offset)?;
+        if let Some(timing) = &self.timing {
+            finite("timing.clock_hz", timing.clock_hz)?;
+            finite("timing.frame_time_s", timing.frame_time_s)?;
+            finite("timing.fps", timing.fps)?;
+            finite("timing.fps_sustained", timing.fps_sustained)?;
+            finite("timing.samples_per_s", timing.samples_per_s)?;
+        }
+        for channel in &self.channels {
+            finite(&format!("channels.{}.mean_occupancy", channel.name), channel.mean_occupancy)?;
+        }
+        if let Some(error) = &self.error {
+            finite_error("error", &error.whole)?;
+            finite_error("error.footprint", &error.footprint.error)?;
+            finite("error.gradient_mean_deg", error.gradient_mean_deg.unwrap_or(0.0))?;
+            finite("error.difference_factor", error.difference_factor)?;
+        }
+        let wall = &self.wall;
+        for (key, value) in [
+            ("wall.timing_s", wall.timing_s),
+            ("wall.function_s", wall.function_s),
+            ("wall.cycle_s", wall.cycle_s),
+            ("wall.reference_s", wall.reference_s),
+            ("wall.total_s", wall.total_s),
+            ("wall.samples_per_s", wall.samples_per_s),
+        ] {
+            finite(key, value.unwrap_or(0.0))?;
+        }
+        Ok(())
+    }
+}
+
+impl TimingReport {
+    fn check(&self) -> Result<(), ReportError> {
+        let derived = Self::from(self.counts());
+        for (key, found, expected) in [
+            ("timing.frame_time_s", self.frame_time_s, derived.frame_time_s),
+            ("timing.fps", self.fps, derived.fps),
+            ("timing.fps_sustained", self.fps_sustained, derived.fps_sustained),
+            ("timing.samples_per_s", self.samples_per_s, derived.samples_per_s),
+        ] {
+            if (found - expected).abs() > ROUNDING * expected.abs() {
+                return Err(ReportError::Inconsistent { key, found, expected });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl UnitReport {
+    /// Cycles of waiting, whatever the reason.
+    pub(crate) fn waiting_cycles(&self) -> u128 {
+        self.waiting.values().map(|&cycles| u128::from(cycles)).sum()
+    }
+
+    fn check(&self, cycles: u64) -> Result<(), ReportError> {
+        let working = [self.busy, self.starved, self.blocked].map(u128::from);
+        let accounted = working.iter().sum::<u128>() + self.waiting_cycles();
+        if accounted != u128::from(cycles) {
+            return Err(ReportError::UnitCycles { unit: self.name.clone(), accounted, cycles });
+        }
+        Ok(())
+    }
+}
+
+impl ChannelReport {
+    fn check(&self) -> Result<(), ReportError> {
+        let &Self { capacity, pushes, pops, occupancy, max_occupancy: max, .. } = self;
+        let mean = self.mean_occupancy;
+        if pops.checked_add(occupancy) != Some(pushes) {
+            let channel = self.name.clone();
+            return Err(ReportError::ChannelTokens { channel, pushes, pops, occupancy });
+        }
+        let mean_fits = (0.0..=max as f64 * (1.0 + ROUNDING)).contains(&mean);
+        if occupancy > max || max > capacity || !mean_fits {
+            let channel = self.name.clone();
+            return Err(ReportError::ChannelOccupancy { channel, capacity, occupancy, max, mean });
+        }
+        Ok(())
+    }
+}
+
+fn finite(key: &str, value: f64) -> Result<(), ReportError> {
+    if value.is_finite() { Ok(()) } else { Err(ReportError::NotFinite { key: key.into(), value }) }
+}
+
+fn finite_error(key: &str, error: &ImageError) -> Result<(), ReportError> {
+    finite(&format!("{key}.mean_relative"), error.mean_relative)?;
+    finite(&format!("{key}.rms"), error.rms)?;
+    finite(&format!("{key}.max"), error.max)?;
+    finite(&format!("{key}.psnr_db"), error.psnr_db.unwrap_or(0.0))?;
+    finite(&format!("{key}.fraction_off"), error.fraction_off)
+}

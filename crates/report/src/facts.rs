@@ -1,0 +1,144 @@
+//! The report's numbers in words, once for both the terminal and the browser.
+
+use cube3_metrics::ImageError;
+use serde_json::Value;
+
+use crate::quantity::{count, number, percentage, prefixed, sizes};
+use crate::{ErrorReport, RunReport, TimingReport, UnitReport, WallReport};
+
+/// What is said, and its value.
+pub(crate) type Fact = (&'static str, String);
+
+/// What was rendered, how, and by what.
+pub(crate) fn setup(report: &RunReport) -> Vec<Fact> {
+    let volume = &report.volume;
+    let view = &report.view;
+    let flips = flipped_axes(view.flips);
+    let spacing = volume.spacing.map(number).join(" × ");
+    let slopes = view.slopes.map(number).join(", ");
+    vec![
+        ("Volume", format!("{}, {} voxels", volume.source, sizes(&volume.dims))),
+        ("Spacing", spacing),
+        ("Voxel words", inline(&volume.conversion)),
+        ("Major axis", format!("{}, {flips}", view.major_axis)),
+        ("Slopes du, dv", slopes),
+        ("Sampling", format!("offset {}, {}", number(view.offset), view.template_rule)),
+        ("Base plane", format!("{} pixels", sizes(&view.base_plane_size))),
+        ("Runs made", report.fidelity.clone()),
+        ("Seed", report.seed.to_string()),
+        ("Written by", format!("{} {}", report.program.name, report.program.version)),
+    ]
+}
+
+/// What the machine did with its time.
+pub(crate) fn timing(timing: &TimingReport) -> Vec<Fact> {
+    let beams = count(timing.beams);
+    let slots = count(timing.ray_slots);
+    vec![
+        ("Cycles", format!("{}, {} of them to fill", count(timing.cycles), count(timing.fill_cycles))),
+        ("Clock", prefixed(timing.clock_hz, "Hz")),
+        ("Frame time", prefixed(timing.frame_time_s, "s")),
+        ("Frames per second", format!("{}, sustained {}", number(timing.fps), number(timing.fps_sustained))),
+        ("Beams", format!("{beams} in {slots} ray slots")),
+        ("Samples", count(timing.samples)),
+        ("Samples per second", prefixed(timing.samples_per_s, "samples/s")),
+    ]
+}
+
+/// Each measure of the error, over the whole image and over the object alone.
+pub(crate) fn errors(error: &ErrorReport) -> Vec<(&'static str, [String; 2])> {
+    let (whole, object) = (&error.whole, &error.footprint.error);
+    let both = |text: fn(&ImageError) -> String| [text(whole), text(object)];
+    let mut rows = vec![
+        ("Mean relative RGB distance", both(|e| percentage(e.mean_relative))),
+        ("RMS", both(|e| number(e.rms))),
+        ("Largest", both(|e| number(e.max))),
+        ("PSNR", both(|e| psnr(e.psnr_db))),
+        ("Pixels off by more than 1/255", both(|e| percentage(e.fraction_off))),
+    ];
+    if let Some(angle) = error.gradient_mean_deg {
+        rows.push(("Mean gradient angle", [String::new(), format!("{}°", number(angle))]));
+    }
+    rows
+}
+
+/// Peak signal-to-noise ratio in words.
+pub(crate) fn psnr(psnr_db: Option<f64>) -> String {
+    psnr_db.map_or("equal".into(), |decibels| format!("{} dB", number(decibels)))
+}
+
+/// How long the simulation took. Nothing for what was not run.
+pub(crate) fn wall(wall: &WallReport) -> Vec<Fact> {
+    let seconds = |value: Option<f64>| value.map(|value| prefixed(value, "s"));
+    [
+        ("Timing run", seconds(wall.timing_s)),
+        ("Function run", seconds(wall.function_s)),
+        ("Cycle run", seconds(wall.cycle_s)),
+        ("Reference", seconds(wall.reference_s)),
+        ("All together", seconds(wall.total_s)),
+        ("Function run's rate", wall.samples_per_s.map(|rate| prefixed(rate, "samples/s"))),
+        ("Threads", wall.threads.map(|threads| threads.to_string())),
+    ]
+    .into_iter()
+    .filter_map(|(what, value)| Some((what, value?)))
+    .collect()
+}
+
+/// One kind of cycles of a unit.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct CycleShare<'a> {
+    pub(crate) kind: CycleKind,
+    /// The kind's name, or the reason to wait.
+    pub(crate) name: &'a str,
+    pub(crate) cycles: u64,
+    pub(crate) thousandths: u32,
+}
+
+/// What a cycle of a unit goes to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum CycleKind {
+    Busy,
+    Starved,
+    Blocked,
+    Waiting,
+}
+
+/// The unit's cycles by kind, each reason to wait on its own; the shares add up to 1000 thousandths.
+pub(crate) fn cycle_shares(unit: &UnitReport) -> Vec<CycleShare<'_>> {
+    let kinds = [
+        (CycleKind::Busy, "busy", unit.busy),
+        (CycleKind::Starved, "starved", unit.starved),
+        (CycleKind::Blocked, "blocked", unit.blocked),
+    ];
+    let reasons = unit.waiting.iter();
+    let reasons = reasons.map(|(reason, &cycles)| (CycleKind::Waiting, reason.as_str(), cycles));
+    let parts: Vec<_> = kinds.into_iter().chain(reasons).collect();
+    let cycles: Vec<u64> = parts.iter().map(|part| part.2).collect();
+    let shares = crate::shares::thousandths(&cycles);
+    let parts = parts.into_iter().zip(shares);
+    parts.map(|((kind, name, cycles), thousandths)| CycleShare { kind, name, cycles, thousandths }).collect()
+}
+
+/// A name for the page: the scene's or else the volume's.
+pub(crate) fn subject(report: &RunReport) -> &str {
+    let name = report.scene.get("name").and_then(Value::as_str);
+    name.unwrap_or(&report.volume.source)
+}
+
+fn flipped_axes(flips: [bool; 3]) -> String {
+    let flipped: Vec<&str> =
+        ["x", "y", "z"].into_iter().zip(flips).filter_map(|(axis, flip)| flip.then_some(axis)).collect();
+    if flipped.is_empty() { "no axis flipped".into() } else { format!("flipped {}", flipped.join(", ")) }
+}
+
+/// A sentence as it is, an object as `key value, key value`.
+fn inline(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Object(entries) => {
+            let entries = entries.iter().map(|(key, value)| format!("{key} {}", inline(value)));
+            entries.collect::<Vec<_>>().join(", ")
+        }
+        other => other.to_string(),
+    }
+}

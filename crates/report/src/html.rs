@@ -1,0 +1,350 @@
+//! The report as one page for a browser.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use serde_json::Value;
+
+use crate::bars::bars;
+use crate::facts::{self, CycleKind, Fact};
+use crate::png::png_size;
+use crate::quantity::{count, number, percentage, prefixed};
+use crate::shares::percent;
+use crate::{ChannelReport, DigestReport, ErrorReport, PlanReport, RunReport, TimingReport, UnitReport};
+
+const STYLE: &str = include_str!("page.css");
+
+/// The page may show what it carries, and reach for nothing else.
+const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'";
+
+/// Pictures up to this wide are magnified as squares, not blurred.
+const SMALL: u32 = 400;
+
+/// A picture on the page.
+#[derive(Debug, Clone, Copy)]
+pub struct Figure<'a> {
+    /// A word or two, such as `Difference`.
+    pub title: &'a str,
+    /// A sentence on what is seen.
+    pub caption: &'a str,
+    /// The PNG file.
+    pub png: &'a [u8],
+}
+
+/// The report as one HTML page that holds its pictures and needs no network.
+///
+/// All text from the report is escaped, so a scene's name can say `<script>` and mean it.
+pub fn html(report: &RunReport, figures: &[Figure]) -> String {
+    let subject = facts::subject(report);
+    let name = &report.program.name;
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(POLICY);
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { (name) ": " (subject) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                header {
+                    h1 { (subject) }
+                    p { "A run of " (name) " " (report.program.version) ", " (report.fidelity) ", seed " (report.seed) }
+                    (headline(report))
+                }
+                main {
+                    (pictures(figures))
+                    (units(&report.units, report.timing.as_ref()))
+                    (errors(report.error.as_ref()))
+                    (timing(report.timing.as_ref()))
+                    (plan(&report.plan))
+                    (channels(&report.channels))
+                    (overflows(report))
+                    section { h2 { "Set-up" } (listed(&facts::setup(report))) }
+                    (wall(report))
+                    (digests(&report.digest))
+                    (source("The scene as resolved", &report.scene))
+                    (source("The machine as resolved", &report.machine))
+                }
+            }
+        }
+    };
+    page.into_string()
+}
+
+/// Time and error side by side: neither says much without the other.
+fn headline(report: &RunReport) -> Markup {
+    let mut tiles: Vec<(&str, String, String)> = Vec::new();
+    if let Some(timing) = &report.timing {
+        let clock = prefixed(timing.clock_hz, "Hz");
+        let sustained = format!("{} sustained", number(timing.fps_sustained));
+        let frame = prefixed(timing.frame_time_s, "s");
+        tiles.push(("Frames per second", number(timing.fps), sustained));
+        tiles.push(("Cycles", count(timing.cycles), format!("{frame} at {clock}")));
+        let rate = prefixed(timing.samples_per_s, "samples/s");
+        let samples = format!("{} samples, {} beams", count(timing.samples), count(timing.beams));
+        tiles.push(("Sample rate", rate, samples));
+    }
+    if let Some(error) = &report.error {
+        let against = format!("mean RGB distance against {}", error.against);
+        tiles.push(("Relative error", percentage(error.whole.mean_relative), against));
+        let object = format!("{} over the object alone", facts::psnr(error.footprint.error.psnr_db));
+        tiles.push(("PSNR", facts::psnr(error.whole.psnr_db), object));
+    }
+    html! {
+        dl.tiles {
+            @for (what, value, note) in &tiles {
+                div { dt { (what) } dd.value { (value) } dd.note { (note) } }
+            }
+        }
+    }
+}
+
+fn pictures(figures: &[Figure]) -> Markup {
+    html! {
+        @if !figures.is_empty() {
+            section {
+                h2 { "Pictures" }
+                div.pictures {
+                    @for figure in figures { (picture(figure)) }
+                }
+            }
+        }
+    }
+}
+
+fn picture(figure: &Figure) -> Markup {
+    let source = format!("data:image/png;base64,{}", STANDARD.encode(figure.png));
+    let size = png_size(figure.png);
+    let [width, height] = size.map_or([None, None], |[width, height]| [Some(width), Some(height)]);
+    let small = width.is_some_and(|width| width <= SMALL);
+    html! {
+        figure {
+            img.small[small] src=(source) width=[width] height=[height] alt={ (figure.title) ": " (figure.caption) };
+            figcaption {
+                strong { (figure.title) }
+                @if let Some([width, height]) = size { " " span.size { (width) " × " (height) } }
+                br;
+                (figure.caption)
+            }
+        }
+    }
+}
+
+fn units(units: &[UnitReport], timing: Option<&TimingReport>) -> Markup {
+    html! {
+        @if !units.is_empty() {
+            section {
+                h2 { "What each unit did with its cycles" }
+                (bars(units))
+                div.wide {
+                    table {
+                        @if let Some(timing) = timing {
+                            caption { "Each row adds up to the " (count(timing.cycles)) " cycles of the run" }
+                        }
+                        thead {
+                            tr {
+                                th scope="col" { "Unit" }
+                                @for kind in ["Busy", "Starved", "Blocked", "Waiting for"] {
+                                    th.number scope="col" { (kind) }
+                                }
+                            }
+                        }
+                        tbody { @for unit in units { (unit_row(unit)) } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn unit_row(unit: &UnitReport) -> Markup {
+    let shares = facts::cycle_shares(unit);
+    let (waiting, working): (Vec<_>, Vec<_>) = shares.into_iter().partition(|share| share.kind == CycleKind::Waiting);
+    html! {
+        tr {
+            th scope="row" { (unit.name) }
+            @for share in working {
+                td.number { (count(share.cycles)) " " span.share { (percent(share.thousandths)) } }
+            }
+            td.number {
+                @if unit.waiting_cycles() == 0 { "nothing" }
+                @for share in waiting.iter().filter(|share| share.cycles > 0) {
+                    div { (share.name) " " (count(share.cycles)) " " span.share { (percent(share.thousandths)) } }
+                }
+            }
+        }
+    }
+}
+
+fn errors(error: Option<&ErrorReport>) -> Markup {
+    html! {
+        section {
+            h2 { "Error" }
+            @if let Some(error) = error {
+                table {
+                    caption {
+                        "Against " (error.against) ". The object covers " (count(error.footprint.pixels as u64))
+                        " pixels. The difference picture is magnified " (number(error.difference_factor)) " times."
+                    }
+                    thead {
+                        tr {
+                            th scope="col" { "Measure" }
+                            th.number scope="col" { "Whole image" }
+                            th.number scope="col" { "Object alone" }
+                        }
+                    }
+                    tbody {
+                        @for (what, [whole, object]) in facts::errors(error) {
+                            tr { th scope="row" { (what) } td.number { (whole) } td.number { (object) } }
+                        }
+                    }
+                }
+            } @else {
+                p { "Not measured: there was no reference to compare with." }
+            }
+        }
+    }
+}
+
+fn timing(timing: Option<&TimingReport>) -> Markup {
+    html! {
+        section {
+            h2 { "Throughput at the machine's clock" }
+            @if let Some(timing) = timing {
+                (listed(&facts::timing(timing)))
+            } @else {
+                p { "Not measured: no clock ran." }
+            }
+        }
+    }
+}
+
+fn plan(plan: &PlanReport) -> Markup {
+    html! {
+        section {
+            h2 { "Left out" }
+            @if !plan.enabled {
+                p { "Nothing: the plan was switched off." }
+            } @else if plan.left_out.is_empty() {
+                p { "Nothing: this scene needs all of the machine." }
+            } @else {
+                div.wide {
+                    table {
+                        caption { "What cannot change the picture was neither built nor run. The picture is the same with it, bit for bit." }
+                        thead { tr { th scope="col" { "What" } th scope="col" { "Why" } th scope="col" { "Saves" } } }
+                        tbody {
+                            @for item in &plan.left_out {
+                                tr { th scope="row" { (item.what) } td { (item.why) } td { (item.saves) } }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn channels(channels: &[ChannelReport]) -> Markup {
+    let columns = ["Capacity", "Latency", "Pushes", "Pops", "Left in it", "Most at once", "Mean"];
+    html! {
+        @if !channels.is_empty() {
+            section {
+                h2 { "Channels" }
+                div.wide {
+                    table {
+                        caption { "In tokens; latency in cycles" }
+                        thead {
+                            tr {
+                                th scope="col" { "Channel" }
+                                @for column in columns { th.number scope="col" { (column) } }
+                            }
+                        }
+                        tbody { @for channel in channels { (channel_row(channel)) } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn channel_row(channel: &ChannelReport) -> Markup {
+    let counts =
+        [channel.capacity, channel.latency, channel.pushes, channel.pops, channel.occupancy, channel.max_occupancy];
+    html! {
+        tr {
+            th scope="row" { (channel.name) }
+            @for value in counts { td.number { (count(value)) } }
+            td.number { (number(channel.mean_occupancy)) }
+        }
+    }
+}
+
+fn overflows(report: &RunReport) -> Markup {
+    let overflows = || report.words.overflows.iter().filter(|(_, count)| **count > 0);
+    html! {
+        section {
+            h2 { "Words" }
+            @if overflows().next().is_none() {
+                p { "No result overflowed its word." }
+            } @else {
+                table {
+                    caption { "Results that overflowed their word and were saturated" }
+                    thead { tr { th scope="col" { "Wire" } th.number scope="col" { "Results" } } }
+                    tbody {
+                        @for (wire, value) in overflows() {
+                            tr { th scope="row" { (wire) } td.number { (count(*value)) } }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn wall(report: &RunReport) -> Markup {
+    let facts = facts::wall(&report.wall);
+    html! {
+        @if !facts.is_empty() {
+            section { h2 { "Wall time on this computer" } (listed(&facts)) }
+        }
+    }
+}
+
+fn digests(digest: &DigestReport) -> Markup {
+    let digests = [("Base plane", &digest.base_plane), ("Image", &digest.image)];
+    html! {
+        @if digests.iter().any(|(_, digest)| digest.is_some()) {
+            section {
+                h2 { "SHA-256 of the raw pixels" }
+                dl.facts {
+                    @for (what, digest) in digests {
+                        @if let Some(digest) = digest { div { dt { (what) } dd { code { (digest) } } } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn listed(facts: &[Fact]) -> Markup {
+    html! {
+        dl.facts { @for (what, value) in facts { div { dt { (what) } dd { (value) } } } }
+    }
+}
+
+/// The value as TOML, ready for a file; as JSON where TOML cannot say it (a null, a bare value).
+fn source(title: &str, value: &Value) -> Markup {
+    let (language, text) = match toml::to_string_pretty(value) {
+        Ok(text) => ("TOML", text),
+        Err(_) => ("JSON", format!("{value:#}")),
+    };
+    html! {
+        details {
+            summary { (title) " (" (language) ")" }
+            pre tabindex="0" { code { (text) } }
+        }
+    }
+}

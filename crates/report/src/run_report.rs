@@ -1,0 +1,299 @@
+//! The tree of `report.json`. Field names are the keys that scripts rely on.
+
+use std::collections::BTreeMap;
+
+use cube3_metrics::{ImageComparison, ImageError};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// The number of the present layout. It rises when a key changes its meaning or goes away.
+pub const SCHEMA: u32 = 1;
+
+/// Everything that one run of `cube3 run` found out.
+///
+/// All wall-clock values, and the number of threads behind them, are in [`RunReport::wall`]. The rest
+/// depends on the input alone.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunReport {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// Who wrote this.
+    pub program: Program,
+    /// Which of the machine's runs were made, such as `timing + function` or `cycle`.
+    pub fidelity: String,
+    /// The seed of everything random.
+    pub seed: u64,
+    /// The scene as resolved: what the scene file would say with every default written out.
+    pub scene: Value,
+    /// The machine as resolved.
+    pub machine: Value,
+    /// The volume and how it became voxel words.
+    pub volume: VolumeReport,
+    /// What the host made of the view.
+    pub view: ViewReport,
+    /// What was left out because it cannot change the picture.
+    pub plan: PlanReport,
+    /// Cycles and throughput at the machine's clock. Absent when no clock ran.
+    pub timing: Option<TimingReport>,
+    /// What each unit did with its cycles, from the volume to the image.
+    pub units: Vec<UnitReport>,
+    /// What went through each channel, from the volume to the image.
+    pub channels: Vec<ChannelReport>,
+    /// What happened to the machine's words.
+    pub words: WordsReport,
+    /// The image against its reference. Absent when there was no image or no reference.
+    pub error: Option<ErrorReport>,
+    /// The raw pixels, to tell at a glance whether two runs gave the same bits.
+    pub digest: DigestReport,
+    /// How long the simulation took on this computer.
+    pub wall: WallReport,
+}
+
+impl RunReport {
+    /// The same report without its wall-clock values: equal for equal input, on every computer.
+    pub fn without_wall(&self) -> Self {
+        Self { wall: WallReport::default(), ..self.clone() }
+    }
+}
+
+/// The program that wrote a report.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Program {
+    /// Its name, `cube3`.
+    pub name: String,
+    /// Its version, such as `0.1.0`.
+    pub version: String,
+}
+
+/// The volume that was rendered.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct VolumeReport {
+    /// A file as the user named it, or a phantom.
+    pub source: String,
+    /// Voxels along x, y and z.
+    pub dims: [usize; 3],
+    /// Distances between voxels along x, y and z, in the unit of the file.
+    pub spacing: [f64; 3],
+    /// How values became voxel words: a sentence, or an object of window, scale and rounding.
+    pub conversion: Value,
+}
+
+/// What the host derived from the view: design, section 3.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ViewReport {
+    /// The volume axis nearest to the view, `x`, `y` or `z`.
+    pub major_axis: String,
+    /// Whether the volume is read backwards along x, y and z.
+    pub flips: [bool; 3],
+    /// du and dv of the canonical view: voxels along u and v for one voxel along w.
+    pub slopes: [f64; 2],
+    /// o, the place of a sample between two planes, from 0 to below 1.
+    pub offset: f64,
+    /// The rule for discrete rays, `sample floor` or `plane floor`.
+    pub template_rule: String,
+    /// Width and height of the base plane in pixels.
+    pub base_plane_size: [usize; 2],
+}
+
+/// What the plan named.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PlanReport {
+    /// False when the user asked for everything (`--no-plan`).
+    pub enabled: bool,
+    /// What was neither built nor run.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// One thing that the scene does not need.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LeftOut {
+    /// The unit, plane, beam, table or sample.
+    pub what: String,
+    /// Why it cannot change the picture.
+    pub why: String,
+    /// What that saves, in words and numbers.
+    pub saves: String,
+}
+
+/// The machine's time, at the machine's clock.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TimingReport {
+    /// Cycles from the first fetch to the last pixel.
+    pub cycles: u64,
+    /// Clock rate in hertz.
+    pub clock_hz: f64,
+    /// `cycles / clock_hz`, in seconds.
+    pub frame_time_s: f64,
+    /// Frames per second one after another: `1 / frame_time_s`.
+    pub fps: f64,
+    /// Frames per second when the next frame enters behind the last beam of this one, so that no
+    /// frame but the first pays for filling the pipeline: `clock_hz / (cycles − fill_cycles)`.
+    pub fps_sustained: f64,
+    /// Beams fetched from the cubic frame buffer.
+    pub beams: u64,
+    /// Samples that the interpolation units put out.
+    pub samples: u64,
+    /// Ray slots, used or not, that went through the pipelines.
+    pub ray_slots: u64,
+    /// `samples / frame_time_s`, in samples per second.
+    pub samples_per_s: f64,
+    /// Cycles before the first pixel leaves the pipeline.
+    pub fill_cycles: u64,
+}
+
+/// What a timing run counted. Everything else in [`TimingReport`] follows from it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimingCounts {
+    /// Cycles from the first fetch to the last pixel.
+    pub cycles: u64,
+    /// Clock rate in hertz.
+    pub clock_hz: f64,
+    /// Beams fetched from the cubic frame buffer.
+    pub beams: u64,
+    /// Samples that the interpolation units put out.
+    pub samples: u64,
+    /// Ray slots, used or not.
+    pub ray_slots: u64,
+    /// Cycles before the first pixel leaves the pipeline.
+    pub fill_cycles: u64,
+}
+
+impl From<TimingCounts> for TimingReport {
+    /// Derives times and rates. A rate over no time at all is 0, not infinite.
+    fn from(counts: TimingCounts) -> Self {
+        let TimingCounts { cycles, clock_hz, beams, samples, ray_slots, fill_cycles } = counts;
+        let per_s = |amount: f64, cycles: u64| {
+            if cycles == 0 { 0.0 } else { amount * clock_hz / cycles as f64 }
+        };
+        Self {
+            cycles,
+            clock_hz,
+            frame_time_s: cycles as f64 / clock_hz,
+            fps: per_s(1.0, cycles),
+            fps_sustained: per_s(1.0, cycles.saturating_sub(fill_cycles)),
+            beams,
+            samples,
+            ray_slots,
+            samples_per_s: per_s(samples as f64, cycles),
+            fill_cycles,
+        }
+    }
+}
+
+impl TimingReport {
+    /// What was counted, without what follows from it.
+    pub fn counts(&self) -> TimingCounts {
+        let &Self { cycles, clock_hz, beams, samples, ray_slots, fill_cycles, .. } = self;
+        TimingCounts { cycles, clock_hz, beams, samples, ray_slots, fill_cycles }
+    }
+}
+
+/// What one unit did with its cycles. The four kinds add up to the cycles of the run.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct UnitReport {
+    /// The unit's name, such as `trilin`.
+    pub name: String,
+    /// Cycles of work.
+    pub busy: u64,
+    /// Cycles without input.
+    pub starved: u64,
+    /// Cycles with a result that the next channel had no room for.
+    pub blocked: u64,
+    /// Cycles of waiting for something else, by reason: memory, bus, refresh.
+    pub waiting: BTreeMap<String, u64>,
+}
+
+/// What went through one channel. What was pushed was popped or is still there.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ChannelReport {
+    /// The channel's name, such as `beams`.
+    pub name: String,
+    /// The most tokens that it can hold.
+    pub capacity: u64,
+    /// Cycles from push to the earliest pop.
+    pub latency: u64,
+    /// Tokens pushed.
+    pub pushes: u64,
+    /// Tokens popped.
+    pub pops: u64,
+    /// Tokens in it at the end.
+    pub occupancy: u64,
+    /// The most tokens that it held.
+    pub max_occupancy: u64,
+    /// Tokens in it on the average over the run.
+    pub mean_occupancy: f64,
+}
+
+/// What happened to the machine's words.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct WordsReport {
+    /// Results that did not fit and were saturated, by wire.
+    pub overflows: BTreeMap<String, u64>,
+}
+
+/// The image against its reference.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ErrorReport {
+    /// What the image was compared with, such as `image-order, step 0.5`.
+    pub against: String,
+    /// Over the whole image: `mean_relative`, `rms`, `max`, `psnr_db` and `fraction_off`.
+    #[serde(flatten)]
+    pub whole: ImageError,
+    /// Mean angle of the gradients to the reference's, in degrees. Absent when not measured.
+    pub gradient_mean_deg: Option<f64>,
+    /// Over the object alone.
+    pub footprint: FootprintError,
+    /// What the difference picture is magnified by.
+    pub difference_factor: f64,
+}
+
+/// The errors over the pixels that the object covers.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FootprintError {
+    /// The same keys as for the whole image.
+    #[serde(flatten)]
+    pub error: ImageError,
+    /// The number of pixels that the object covers.
+    pub pixels: usize,
+}
+
+impl ErrorReport {
+    /// The report of a comparison. The gradients' angle is set afterwards where it was measured.
+    pub fn new(against: impl Into<String>, comparison: &ImageComparison, difference_factor: f64) -> Self {
+        Self {
+            against: against.into(),
+            whole: comparison.whole,
+            gradient_mean_deg: None,
+            footprint: FootprintError { error: comparison.footprint, pixels: comparison.footprint_pixels },
+            difference_factor,
+        }
+    }
+}
+
+/// SHA-256 of the raw pixels, 64 lower-case hexadecimal digits. Absent where there is no picture.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DigestReport {
+    /// Of the base plane.
+    pub base_plane: Option<String>,
+    /// Of the warped image.
+    pub image: Option<String>,
+}
+
+/// How long the simulation took on this computer, in seconds. Absent where not run.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct WallReport {
+    /// The timing run.
+    pub timing_s: Option<f64>,
+    /// The function run.
+    pub function_s: Option<f64>,
+    /// The cycle run.
+    pub cycle_s: Option<f64>,
+    /// The reference ray caster.
+    pub reference_s: Option<f64>,
+    /// The whole command, reading and writing included.
+    pub total_s: Option<f64>,
+    /// Samples per second of the function run.
+    pub samples_per_s: Option<f64>,
+    /// Threads that were used.
+    pub threads: Option<usize>,
+}
