@@ -1,1 +1,48 @@
-//! What to show: view, transfer function, light, mode, cut planes
+//! What to show: the volume, the view of it, its transfer function, material and lights, and what is
+//! cut away.
+//!
+//! A [`Scene`] is data, read from a TOML file or taken from [`Scene::default`], which is the scene of
+//! the paper (Pfister et al. 1995, section 6). It says nothing about how the picture is made: the machine
+//! and every reference renderer show the same scene. What they must agree on to the letter is defined
+//! here once, in real numbers:
+//!
+//! - [`View::frame`]: the axes of the picture;
+//! - [`Transfer::opacity_at`] and [`Transfer::colour_at`]: classification;
+//! - [`phong`]: the colour of a lit sample;
+//! - [`corrected_opacity`]: the opacity of a step that is not of unit length.
+//!
+//! World space is voxel space times voxel spacing: right-handed, +z up.
+
+mod angle;
+mod check;
+mod clip;
+mod depth_cue;
+mod error;
+mod file;
+mod image;
+mod light;
+mod material;
+mod mode;
+mod opacity;
+mod phong;
+mod piecewise;
+mod scene;
+mod transfer;
+mod unit_vector;
+mod view;
+mod volume_source;
+
+pub use angle::sin_cos_degrees;
+pub use clip::{Crop, Cut, MOST_CUTS, Threshold};
+pub use depth_cue::DepthCue;
+pub use error::{Place, SceneError};
+pub use image::{Image, LARGEST_IMAGE_PX};
+pub use light::{Light, MOST_LIGHTS, ResolvedLight, resolve_lights};
+pub use material::Material;
+pub use mode::Mode;
+pub use opacity::corrected_opacity;
+pub use phong::phong;
+pub use scene::{SCHEMA, Scene};
+pub use transfer::{ColourPoint, Layer, Transfer};
+pub use view::{View, ViewFrame};
+pub use volume_source::{LARGEST_PHANTOM_VOXELS, VolumeSource};

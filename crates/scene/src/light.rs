@@ -1,0 +1,122 @@
+//! The lights.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::check::{self, Checked};
+use crate::unit_vector::unit_vector;
+use crate::{Scene, ViewFrame};
+
+/// The most lights in a scene.
+pub const MOST_LIGHTS: usize = 8;
+
+/// A light and the eye are opposite to each other when their unit vectors add to less than this: the
+/// sum is rounding error then, and its direction means nothing.
+const OPPOSITE: f64 = 1e-12;
+
+/// A light so far away that it has one direction everywhere.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Light {
+    /// Towards the light, in world coordinates, of any length but 0; `None` puts it at the eye, where
+    /// it stays as the view turns.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub direction: Option<[f64; 3]>,
+    /// Red, green and blue, 0 to 1.
+    pub colour: [f64; 3],
+}
+
+impl Default for Light {
+    /// White, at the eye.
+    fn default() -> Self {
+        Light { direction: None, colour: [1.0; 3] }
+    }
+}
+
+impl Light {
+    pub(crate) fn validate(&self, index: usize) -> Checked {
+        if let Some(direction) = self.direction {
+            check::direction(&format!("light[{index}].direction"), direction)?;
+        }
+        check::colour(&format!("light[{index}].colour"), self.colour)
+    }
+}
+
+/// A light as one view sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ResolvedLight {
+    /// Towards the light, of unit length.
+    pub direction: DVec3,
+    /// Halfway between the light and the eye, of unit length; zero where they are opposite.
+    pub halfway: DVec3,
+    /// Red, green and blue, 0 to 1.
+    pub colour: [f64; 3],
+}
+
+/// The lights of `scene` as the view `frame` sees them, in the scene's order.
+///
+/// A light whose direction is zero or not finite, which [`Scene::validate`] rejects, has zero vectors
+/// and lights nothing.
+pub fn resolve_lights(scene: &Scene, frame: &ViewFrame) -> Vec<ResolvedLight> {
+    let eye = DVec3::ZERO - frame.direction;
+    let resolve = |light: &Light| {
+        let Some(direction) = light.direction else {
+            return ResolvedLight { direction: eye, halfway: eye, colour: light.colour };
+        };
+        let direction = unit_vector(DVec3::from(direction)).unwrap_or_default();
+        let sum = direction + eye;
+        let halfway = if direction == DVec3::ZERO || sum.length() < OPPOSITE {
+            DVec3::ZERO
+        } else {
+            unit_vector(sum).unwrap_or_default()
+        };
+        ResolvedLight { direction, halfway, colour: light.colour }
+    };
+    scene.lights.iter().map(resolve).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::View;
+
+    fn resolved(direction: Option<[f64; 3]>, view: View) -> ResolvedLight {
+        let light = Light { direction, colour: [0.1, 0.2, 0.3] };
+        let scene = Scene { lights: vec![light], view, ..Scene::default() };
+        let lights = resolve_lights(&scene, &scene.view.frame().unwrap());
+        assert_eq!(lights.len(), 1);
+        assert_eq!(lights[0].colour, [0.1, 0.2, 0.3]);
+        lights[0]
+    }
+
+    #[test]
+    fn a_light_at_the_eye_is_towards_the_viewer() {
+        let light = resolved(None, View::from_angles(0.0, 0.0));
+        assert_eq!((light.direction, light.halfway), (DVec3::NEG_Y, DVec3::NEG_Y));
+    }
+
+    #[test]
+    fn a_light_from_above_has_its_halfway_between() {
+        let light = resolved(Some([0.0, 0.0, 5.0]), View::from_angles(0.0, 0.0));
+        assert_eq!(light.direction, DVec3::Z);
+        assert!((light.halfway - DVec3::new(0.0, -1.0, 1.0).normalize()).length() < 1e-15);
+    }
+
+    #[test]
+    fn a_light_opposite_to_the_eye_has_no_halfway() {
+        for view in [View::from_angles(0.0, 0.0), View::from_angles(30.0, 7.0)] {
+            let away = view.frame().unwrap().direction * 3.0;
+            let light = resolved(Some(away.to_array()), view);
+            assert_eq!(light.halfway, DVec3::ZERO);
+            assert!(light.direction.dot(away) > 2.9);
+        }
+    }
+
+    #[test]
+    fn a_light_without_a_direction_lights_nothing() {
+        for bad in [[0.0; 3], [f64::NAN, 0.0, 1.0]] {
+            let light = resolved(Some(bad), View::default());
+            assert_eq!((light.direction, light.halfway), (DVec3::ZERO, DVec3::ZERO));
+        }
+    }
+}

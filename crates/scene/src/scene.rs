@@ -1,0 +1,103 @@
+//! The scene as a whole.
+
+use serde::{Deserialize, Serialize};
+
+use crate::check::{self, Checked};
+use crate::{
+    Crop, Cut, DepthCue, Image, Light, MOST_CUTS, MOST_LIGHTS, Material, Mode, SceneError, Threshold, Transfer, View,
+    VolumeSource,
+};
+
+/// The number of the scene's format: a file that names another was written for another version.
+pub const SCHEMA: u32 = 1;
+
+/// What to show. [`Scene::default`] is the paper's scene on the phantom `head`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Scene {
+    /// The number of the format, [`SCHEMA`].
+    pub schema: u32,
+    /// How the samples along a ray become a pixel.
+    pub mode: Mode,
+    /// What is seen where the volume is clear: red, green and blue, 0 to 1.
+    pub background: [f64; 3],
+    /// Which volume is shown.
+    pub volume: VolumeSource,
+    /// From where.
+    pub view: View,
+    /// The raster of the picture.
+    pub image: Image,
+    /// Which opacity and colour a value has.
+    pub transfer: Transfer,
+    /// How the material answers to light.
+    pub material: Material,
+    /// The lights, at most [`MOST_LIGHTS`]; a file with none has one white light at the eye, and
+    /// `light = []` means darkness but for ambient light.
+    #[serde(rename = "light")]
+    pub lights: Vec<Light>,
+    /// Darkening with depth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_cue: Option<DepthCue>,
+    /// Planes that cut something away, at most [`MOST_CUTS`].
+    #[serde(rename = "cut", skip_serializing_if = "Vec::is_empty")]
+    pub cuts: Vec<Cut>,
+    /// A box outside of which nothing is shown.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crop: Option<Crop>,
+    /// Values outside of which nothing is shown.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub threshold: Option<Threshold>,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Scene {
+            schema: SCHEMA,
+            mode: Mode::default(),
+            background: [0.0; 3],
+            volume: VolumeSource::default(),
+            view: View::default(),
+            image: Image::default(),
+            transfer: Transfer::default(),
+            material: Material::default(),
+            lights: vec![Light::default()],
+            depth_cue: None,
+            cuts: Vec::new(),
+            crop: None,
+            threshold: None,
+        }
+    }
+}
+
+impl Scene {
+    /// Checks every number of the scene, so that no renderer has to.
+    ///
+    /// # Errors
+    ///
+    /// The first thing that is wrong: a format of another version, a number that is not finite or out
+    /// of its range, points out of order, a vector without direction, too many cuts or lights.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        validate_schema(i64::from(self.schema))?;
+        check::colour("background", self.background)?;
+        self.volume.validate()?;
+        self.view.validate()?;
+        self.image.validate()?;
+        self.transfer.validate()?;
+        self.material.validate()?;
+        check::at_most("light", self.lights.len(), MOST_LIGHTS)?;
+        self.lights.iter().enumerate().try_for_each(|(i, light)| light.validate(i))?;
+        check::at_most("cut", self.cuts.len(), MOST_CUTS)?;
+        self.cuts.iter().enumerate().try_for_each(|(i, cut)| cut.validate(i))?;
+        self.depth_cue.as_ref().map_or(Ok(()), DepthCue::validate)?;
+        self.crop.as_ref().map_or(Ok(()), Crop::validate)?;
+        self.threshold.as_ref().map_or(Ok(()), Threshold::validate)
+    }
+}
+
+/// `schema` is the format that this program reads.
+pub(crate) fn validate_schema(schema: i64) -> Checked {
+    if schema == i64::from(SCHEMA) {
+        return Ok(());
+    }
+    Err(SceneError::at("schema", format!("the scene has format {schema}"), format!("give a scene of format {SCHEMA}")))
+}
