@@ -1,1 +1,45 @@
-//! Voxel grids: file formats, phantoms, conversion to voxel words
+//! Voxel grids: file formats, phantoms, conversion to voxel words.
+//!
+//! A [`Volume`] is a grid of samples of one of eight numeric types, x fastest, then y, then z, with
+//! a spacing and an origin. It comes from a file ([`read`]), from a formula ([`Phantom`]), or from
+//! [`Volume::new`]. The machine stores unsigned words of 1 to 16 bits ([`VoxelWords`]); the way
+//! there is [`Volume::to_words`], which says what it rounded and clipped.
+//!
+//! ```text
+//!   file ──► read ──► Volume ──► to_words ──► VoxelWords ──► cubic frame buffer
+//!   Phantom::generate ──┘  └──► write ──► file
+//! ```
+//!
+//! Files are read under three rules: no header is believed before it is checked against the bytes
+//! that are really there, no memory is taken beyond [`ReadOptions::memory_limit_bytes`], and no
+//! bytes whatever make a reader panic.
+
+mod error;
+mod format;
+mod limits;
+mod metaimage;
+mod nifti1;
+mod nrrd;
+mod open;
+mod phantom;
+mod place;
+mod raw;
+mod samples;
+mod statistics;
+mod stream;
+mod text;
+mod volume;
+mod words;
+mod write;
+
+pub use error::{NonFinite, VolumeError};
+pub use format::Format;
+pub use limits::ReadOptions;
+pub use open::{read, read_bytes};
+pub use phantom::{Phantom, PhantomParams};
+pub use raw::{Endian, RawLayout};
+pub use samples::{Sample, SampleType, Samples};
+pub use statistics::Histogram;
+pub use volume::Volume;
+pub use words::{ConversionReport, NonFiniteRule, VoxelWords, WordConversion, WordRounding};
+pub use write::{NrrdEncoding, write, write_nrrd, write_raw};

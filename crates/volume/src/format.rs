@@ -1,0 +1,81 @@
+//! The file formats, told apart by name and by content.
+
+use std::fmt;
+use std::path::Path;
+use std::str::FromStr;
+
+use crate::VolumeError;
+
+/// A volume file format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// Nearly raw raster data, `.nrrd`, or `.nhdr` with a data file.
+    Nrrd,
+    /// NIfTI-1, `.nii` or `.nii.gz`.
+    Nifti,
+    /// MetaImage, `.mha`, or `.mhd` with a data file.
+    MetaImage,
+    /// Bare numbers, `.raw` or `.bin`.
+    Raw,
+}
+
+impl Format {
+    /// The format that a file's name stands for.
+    pub fn of_path(path: &Path) -> Option<Format> {
+        let name = path.file_name()?.to_string_lossy().to_lowercase();
+        let ends = |end: &str| name.ends_with(end);
+        match () {
+            _ if ends(".nrrd") || ends(".nhdr") => Some(Format::Nrrd),
+            _ if ends(".nii") || ends(".nii.gz") => Some(Format::Nifti),
+            _ if ends(".mha") || ends(".mhd") => Some(Format::MetaImage),
+            _ if ends(".raw") || ends(".bin") => Some(Format::Raw),
+            _ => None,
+        }
+    }
+
+    /// The format that a file's first bytes (about 400) stand for. Raw numbers cannot be told.
+    pub fn of_content(head: &[u8]) -> Option<Format> {
+        if head.starts_with(b"NRRD00") {
+            return Some(Format::Nrrd);
+        }
+        let magic = head.get(344..348);
+        let nifti = magic == Some(b"n+1\0") || magic == Some(b"ni1\0");
+        if nifti || head.starts_with(&[0x1f, 0x8b]) {
+            return Some(Format::Nifti);
+        }
+        let text = String::from_utf8_lossy(head);
+        let first = text.lines().find(|l| !l.trim().is_empty())?;
+        let key = first.split_once('=')?.0.trim();
+        let known = ["ObjectType", "NDims", "Comment", "ObjectSubType", "DimSize"];
+        known.contains(&key).then_some(Format::MetaImage)
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Format::Nrrd => "nrrd",
+            Format::Nifti => "nifti",
+            Format::MetaImage => "metaimage",
+            Format::Raw => "raw",
+        })
+    }
+}
+
+impl FromStr for Format {
+    type Err = VolumeError;
+
+    fn from_str(name: &str) -> Result<Self, VolumeError> {
+        match name {
+            "nrrd" => Ok(Format::Nrrd),
+            "nifti" => Ok(Format::Nifti),
+            "metaimage" => Ok(Format::MetaImage),
+            "raw" => Ok(Format::Raw),
+            _ => Err(VolumeError::Parameter {
+                name: "format",
+                reason: format!("'{name}' is not known"),
+                remedy: "write nrrd, nifti, metaimage or raw",
+            }),
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Volumes from formulas.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::{Volume, VolumeError};
+
+mod solid;
+
+/// A volume made by a formula.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Phantom {
+    /// A human head as a CT scanner sees it.
+    Head,
+    /// A solid ball with a soft edge.
+    Sphere,
+    /// The test signal of Marschner and Lobb.
+    MarschnerLobb,
+    /// The Shepp-Logan head in three dimensions.
+    SheppLogan,
+    /// Concentric spherical shells, from thinner than a voxel to several voxels thick.
+    Shells,
+    /// A smooth field of low density.
+    Fog,
+    /// A machined block with bores and dense inserts.
+    Engine,
+    /// Blocks of nothing and of full density in turn.
+    Checker,
+}
+
+/// What may be chosen of a phantom; `None` takes the default of each.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PhantomParams {
+    /// Sphere: radius in voxels; default 26/64 of the cube's side.
+    pub radius: Option<f64>,
+    /// Sphere: width of the soft edge in voxels; default 2.2.
+    pub ramp: Option<f64>,
+    /// Sphere and shells: centre in voxels; default the cube's centre, (n − 1)/2.
+    pub centre: Option<[f64; 3]>,
+    /// Checker: side of a block in voxels; default 8.
+    pub period: Option<usize>,
+}
+
+impl Phantom {
+    /// All of them.
+    pub const ALL: [Phantom; 8] = [
+        Phantom::Head,
+        Phantom::Sphere,
+        Phantom::MarschnerLobb,
+        Phantom::SheppLogan,
+        Phantom::Shells,
+        Phantom::Fog,
+        Phantom::Engine,
+        Phantom::Checker,
+    ];
+
+    /// The name, as [`FromStr`] reads it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Phantom::Head => "head",
+            Phantom::Sphere => "sphere",
+            Phantom::MarschnerLobb => "marschner-lobb",
+            Phantom::SheppLogan => "shepp-logan",
+            Phantom::Shells => "shells",
+            Phantom::Fog => "fog",
+            Phantom::Engine => "engine",
+            Phantom::Checker => "checker",
+        }
+    }
+
+    /// The phantom in a cube of `size` voxels a side at unit spacing.
+    ///
+    /// # Errors
+    ///
+    /// [`VolumeError::Grid`] when `size` is 0, [`VolumeError::TooLarge`] when the memory cannot be
+    /// had, [`VolumeError::Parameter`] for a parameter outside its range.
+    pub fn generate(&self, size: usize, params: &PhantomParams) -> Result<Volume, VolumeError> {
+        solid::sphere(size, params)
+    }
+}
+
+impl fmt::Display for Phantom {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Phantom {
+    type Err = VolumeError;
+
+    fn from_str(name: &str) -> Result<Self, VolumeError> {
+        Phantom::ALL.into_iter().find(|p| p.name() == name).ok_or_else(|| VolumeError::Parameter {
+            name: "phantom",
+            reason: format!("'{name}' is not known"),
+            remedy: "write head, sphere, marschner-lobb, shepp-logan, shells, fog, engine or checker",
+        })
+    }
+}

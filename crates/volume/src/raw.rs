@@ -1,0 +1,100 @@
+//! Bare numbers without a header: the reader must be told what they are.
+
+use std::fmt;
+use std::io::SeekFrom;
+use std::str::FromStr;
+
+use crate::error::show_dims;
+use crate::place::{Place, Source};
+use crate::stream::{Encoding, Layout, Skip, StoredType};
+use crate::volume::check_grid;
+use crate::{ReadOptions, SampleType, Volume, VolumeError};
+
+/// The order of the bytes of a number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Endian {
+    /// The least significant byte comes first.
+    #[default]
+    Little,
+    /// The most significant byte comes first.
+    Big,
+}
+
+impl fmt::Display for Endian {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Endian::Little => "little",
+            Endian::Big => "big",
+        })
+    }
+}
+
+impl FromStr for Endian {
+    type Err = VolumeError;
+
+    fn from_str(name: &str) -> Result<Self, VolumeError> {
+        match name {
+            "little" => Ok(Endian::Little),
+            "big" => Ok(Endian::Big),
+            _ => Err(VolumeError::Parameter {
+                name: "endian",
+                reason: format!("'{name}' is not known"),
+                remedy: "write little or big",
+            }),
+        }
+    }
+}
+
+/// What a raw file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RawLayout {
+    /// Voxels along x, y and z.
+    pub dims: [usize; 3],
+    /// The type of the numbers.
+    pub sample_type: SampleType,
+    /// The order of their bytes.
+    pub endian: Endian,
+    /// Distance between voxel centres along x, y and z.
+    pub spacing: [f64; 3],
+    /// Position of voxel (0, 0, 0).
+    pub origin: [f64; 3],
+    /// Bytes before the first number.
+    pub skip_bytes: u64,
+}
+
+impl RawLayout {
+    /// Little-endian numbers from the first byte, at unit spacing.
+    pub fn new(dims: [usize; 3], sample_type: SampleType) -> Self {
+        Self { dims, sample_type, endian: Endian::Little, spacing: [1.0; 3], origin: [0.0; 3], skip_bytes: 0 }
+    }
+}
+
+/// Reads a raw file. Its length must be that of the layout, to the byte: with nothing else to go by,
+/// that is the one check of the dimensions.
+pub(crate) fn read(source: &mut dyn Source, options: &ReadOptions, place: &Place) -> Result<Volume, VolumeError> {
+    let raw = options.raw.as_ref().ok_or_else(|| VolumeError::RawLayoutMissing { file: place.file.clone() })?;
+    check_grid(raw.dims, raw.spacing, raw.origin).map_err(|e| place.grid(e))?;
+    let layout = Layout {
+        dims: raw.dims,
+        stored: StoredType::Plain(raw.sample_type),
+        big_endian: raw.endian == Endian::Big,
+        encoding: Encoding::Raw,
+        skip: Skip::Bytes(raw.skip_bytes),
+        frames: 1,
+        scale: None,
+    };
+    let size = raw.sample_type.bytes() as u64;
+    let needed = raw.dims.iter().fold(size, |p, &d| p.saturating_mul(d as u64)).saturating_add(raw.skip_bytes);
+    let found = source.seek(SeekFrom::End(0)).map_err(|e| place.io("read", e))?;
+    source.rewind().map_err(|e| place.io("read", e))?;
+    if needed != found {
+        return Err(VolumeError::RawLength {
+            file: place.file.clone(),
+            layout: format!("{} of {}, {} bytes skipped", show_dims(&raw.dims), raw.sample_type, raw.skip_bytes),
+            needed,
+            found,
+        });
+    }
+    let samples = layout.read(source, &ReadOptions { frame: 0, ..options.clone() }, place)?;
+    Volume::new(raw.dims, raw.spacing, samples)?.with_origin(raw.origin)
+}

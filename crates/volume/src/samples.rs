@@ -1,0 +1,230 @@
+//! The eight numeric types that a voxel can have.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::VolumeError;
+
+/// The type of a volume's samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SampleType {
+    /// Unsigned, 8 bits.
+    U8,
+    /// Signed, 8 bits.
+    I8,
+    /// Unsigned, 16 bits.
+    U16,
+    /// Signed, 16 bits.
+    I16,
+    /// Unsigned, 32 bits.
+    U32,
+    /// Signed, 32 bits.
+    I32,
+    /// IEEE 754 single precision.
+    F32,
+    /// IEEE 754 double precision.
+    F64,
+}
+
+impl SampleType {
+    /// All eight, in the order of [`Samples`].
+    pub const ALL: [SampleType; 8] = [
+        SampleType::U8,
+        SampleType::I8,
+        SampleType::U16,
+        SampleType::I16,
+        SampleType::U32,
+        SampleType::I32,
+        SampleType::F32,
+        SampleType::F64,
+    ];
+
+    /// Size of one sample in bytes.
+    pub fn bytes(self) -> usize {
+        match self {
+            SampleType::U8 | SampleType::I8 => 1,
+            SampleType::U16 | SampleType::I16 => 2,
+            SampleType::U32 | SampleType::I32 | SampleType::F32 => 4,
+            SampleType::F64 => 8,
+        }
+    }
+
+    /// Whether the type can hold NaN and infinities.
+    pub fn is_float(self) -> bool {
+        matches!(self, SampleType::F32 | SampleType::F64)
+    }
+
+    /// The name, as [`FromStr`] reads it: `u8`, `i8`, … `f64`.
+    pub fn name(self) -> &'static str {
+        match self {
+            SampleType::U8 => "u8",
+            SampleType::I8 => "i8",
+            SampleType::U16 => "u16",
+            SampleType::I16 => "i16",
+            SampleType::U32 => "u32",
+            SampleType::I32 => "i32",
+            SampleType::F32 => "f32",
+            SampleType::F64 => "f64",
+        }
+    }
+}
+
+impl fmt::Display for SampleType {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for SampleType {
+    type Err = VolumeError;
+
+    fn from_str(name: &str) -> Result<Self, VolumeError> {
+        SampleType::ALL.into_iter().find(|t| t.name() == name).ok_or_else(|| VolumeError::Parameter {
+            name: "sample type",
+            reason: format!("'{name}' is not known"),
+            remedy: "write u8, i8, u16, i16, u32, i32, f32 or f64",
+        })
+    }
+}
+
+/// A number as a file stores it: plain bytes that can be turned round.
+pub(crate) trait Stored: bytemuck::Pod + FromStr + Send + Sync {
+    /// The same number with its bytes in reverse order.
+    fn swapped(self) -> Self;
+    /// The number rounded to double precision.
+    fn double(self) -> f64;
+}
+
+macro_rules! stored {
+    ($($number:ident),*) => {$(
+        impl Stored for $number {
+            fn swapped(self) -> Self {
+                let mut bytes = self.to_ne_bytes();
+                bytes.reverse();
+                $number::from_ne_bytes(bytes)
+            }
+            fn double(self) -> f64 {
+                self as f64
+            }
+        }
+    )*};
+}
+stored!(u8, i8, u16, i16, u32, i32, i64, u64, f32, f64);
+
+/// A numeric type that a voxel can have; implemented for the eight of [`SampleType`] only.
+pub trait Sample: Copy + PartialOrd + Send + Sync + Into<f64> + Default + 'static + sealed::Sealed {
+    /// The type's name as a value.
+    const TYPE: SampleType;
+
+    /// The nearest value of this type: integers round half away from zero and saturate, NaN
+    /// becomes 0; floats round to nearest even.
+    fn nearest(value: f64) -> Self;
+
+    /// Wraps a vector of this type.
+    fn wrap(samples: Vec<Self>) -> Samples;
+}
+
+mod sealed {
+    pub trait Sealed {}
+}
+
+macro_rules! sample {
+    ($($number:ident $name:ident $round:expr;)*) => {$(
+        impl sealed::Sealed for $number {}
+        impl Sample for $number {
+            const TYPE: SampleType = SampleType::$name;
+            fn nearest(value: f64) -> Self {
+                ($round)(value) as $number
+            }
+            fn wrap(samples: Vec<Self>) -> Samples {
+                Samples::$name(samples)
+            }
+        }
+    )*};
+}
+sample! {
+    u8 U8 f64::round;
+    i8 I8 f64::round;
+    u16 U16 f64::round;
+    i16 I16 f64::round;
+    u32 U32 f64::round;
+    i32 I32 f64::round;
+    f32 F32 std::convert::identity::<f64>;
+    f64 F64 std::convert::identity::<f64>;
+}
+
+/// The samples of a volume, x fastest, then y, then z.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Samples {
+    /// Unsigned, 8 bits.
+    U8(Vec<u8>),
+    /// Signed, 8 bits.
+    I8(Vec<i8>),
+    /// Unsigned, 16 bits.
+    U16(Vec<u16>),
+    /// Signed, 16 bits.
+    I16(Vec<i16>),
+    /// Unsigned, 32 bits.
+    U32(Vec<u32>),
+    /// Signed, 32 bits.
+    I32(Vec<i32>),
+    /// Single precision.
+    F32(Vec<f32>),
+    /// Double precision.
+    F64(Vec<f64>),
+}
+
+/// Runs one expression for whichever vector a [`Samples`] holds: the expression is compiled once
+/// for each of the eight types, so loops inside it are loops over plain numbers.
+///
+/// ```
+/// use cube3_volume::{Samples, with_samples};
+/// let samples = Samples::U16(vec![3, 4, 5]);
+/// let sum: f64 = with_samples!(&samples, v => v.iter().map(|&s| f64::from(s)).sum());
+/// assert_eq!(sum, 12.0);
+/// ```
+#[macro_export]
+macro_rules! with_samples {
+    ($samples:expr, $vector:ident => $body:expr) => {
+        match $samples {
+            $crate::Samples::U8($vector) => $body,
+            $crate::Samples::I8($vector) => $body,
+            $crate::Samples::U16($vector) => $body,
+            $crate::Samples::I16($vector) => $body,
+            $crate::Samples::U32($vector) => $body,
+            $crate::Samples::I32($vector) => $body,
+            $crate::Samples::F32($vector) => $body,
+            $crate::Samples::F64($vector) => $body,
+        }
+    };
+}
+
+impl Samples {
+    /// The number of samples.
+    pub fn len(&self) -> usize {
+        with_samples!(self, v => v.len())
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The type of the samples.
+    pub fn sample_type(&self) -> SampleType {
+        fn of<S: Sample>(_: &[S]) -> SampleType {
+            S::TYPE
+        }
+        with_samples!(self, v => of(v))
+    }
+
+    /// The sample at `index`, in storage order. Every sample fits an `f64` exactly.
+    ///
+    /// # Panics
+    ///
+    /// When `index` is not below [`Samples::len`].
+    #[inline]
+    pub fn value(&self, index: usize) -> f64 {
+        with_samples!(self, v => f64::from(v[index]))
+    }
+}

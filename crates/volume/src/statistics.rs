@@ -1,0 +1,90 @@
+//! What values a volume holds: range and histogram.
+
+use rayon::prelude::*;
+
+use crate::{NonFinite, Sample, Volume, VolumeError, with_samples};
+
+/// How many samples fall in each of equally wide bins.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Histogram {
+    /// Lower edge of the first bin: the least value.
+    pub low: f64,
+    /// Upper edge of the last bin, which belongs to it: the greatest value.
+    pub high: f64,
+    /// Samples in each bin; they add up to the voxels of the volume.
+    pub counts: Vec<u64>,
+}
+
+impl Volume {
+    /// The least and the greatest sample.
+    ///
+    /// # Errors
+    ///
+    /// [`NonFinite`] with the first voxel that is NaN or infinite.
+    pub fn range(&self) -> Result<(f64, f64), NonFinite> {
+        match self.finite_range() {
+            (range, 0) => Ok(range),
+            _ => Err(self.first_non_finite().unwrap_or(NonFinite { position: [0; 3], value: f64::NAN })),
+        }
+    }
+
+    /// The least and the greatest of the finite samples, (0, 0) where there are none, and how many
+    /// samples are NaN or infinite.
+    pub fn finite_range(&self) -> ((f64, f64), u64) {
+        fn of<S: Sample>(samples: &[S]) -> (f64, f64, u64) {
+            samples
+                .par_chunks(1 << 16)
+                .map(|chunk| {
+                    chunk.iter().fold((f64::INFINITY, f64::NEG_INFINITY, 0), |(lo, hi, bad), &s| {
+                        let v: f64 = s.into();
+                        if v.is_finite() { (lo.min(v), hi.max(v), bad) } else { (lo, hi, bad + 1) }
+                    })
+                })
+                .reduce(|| (f64::INFINITY, f64::NEG_INFINITY, 0), |a, b| (a.0.min(b.0), a.1.max(b.1), a.2 + b.2))
+        }
+        let (lo, hi, bad) = with_samples!(&self.samples, v => of(v));
+        (if lo <= hi { (lo, hi) } else { (0.0, 0.0) }, bad)
+    }
+
+    /// The first voxel in storage order that is NaN or infinite.
+    pub fn first_non_finite(&self) -> Option<NonFinite> {
+        if !self.sample_type().is_float() {
+            return None;
+        }
+        let index = with_samples!(&self.samples, v => {
+            v.par_iter().position_first(|&s| !f64::from(s).is_finite())
+        })?;
+        Some(NonFinite { position: self.position(index), value: self.samples.value(index) })
+    }
+
+    /// Counts the samples in `bins` equally wide bins from the least to the greatest value. A
+    /// volume of one value has them all in the first bin.
+    ///
+    /// # Errors
+    ///
+    /// [`VolumeError::Parameter`] when `bins` is 0 or above 2²⁴, [`VolumeError::NonFinite`] as
+    /// [`Volume::range`].
+    pub fn histogram(&self, bins: usize) -> Result<Histogram, VolumeError> {
+        if bins == 0 || bins > 1 << 24 {
+            return Err(VolumeError::Parameter {
+                name: "histogram bins",
+                reason: format!("{bins} bins"),
+                remedy: "give 1 to 16777216",
+            });
+        }
+        let (low, high) = self.range()?;
+        // Halves, so that a range of the whole f64 line does not overflow.
+        let half_span = high / 2.0 - low / 2.0;
+        let bin_of = |v: f64| {
+            let t = if half_span > 0.0 { (v / 2.0 - low / 2.0) / half_span } else { 0.0 };
+            ((t * bins as f64) as usize).min(bins - 1)
+        };
+        let mut counts = vec![0u64; bins];
+        with_samples!(&self.samples, v => {
+            for &s in v {
+                counts[bin_of(f64::from(s))] += 1;
+            }
+        });
+        Ok(Histogram { low, high, counts })
+    }
+}
