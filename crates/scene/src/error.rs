@@ -40,10 +40,19 @@ impl SceneError {
     /// An error at `key`, of a scene that may not come from a file.
     pub(crate) fn at(key: impl Into<String>, reason: impl Into<String>, right: impl Into<String>) -> Self {
         SceneError::Invalid {
-            place: Place { file: None, line: None, key: key.into() },
+            place: Place { key: key.into(), ..Place::default() },
             reason: reason.into(),
             right: right.into(),
         }
+    }
+
+    /// The same error, in `line` of the text called `file`.
+    pub(crate) fn in_file(mut self, file: &str, line: Option<usize>) -> Self {
+        if let SceneError::Invalid { place, .. } = &mut self {
+            place.file = Some(file.to_owned());
+            place.line = line;
+        }
+        self
     }
 }
 

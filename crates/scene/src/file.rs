@@ -2,7 +2,12 @@
 
 use std::path::Path;
 
-use crate::{Scene, SceneError};
+use toml::de::DeTable;
+
+use crate::explain::explain;
+use crate::locate::{key_at, line_at, span_of};
+use crate::scene::validate_schema;
+use crate::{Place, Scene, SceneError};
 
 impl Scene {
     /// The default scene as a text to edit: every key explained, optional ones commented out.
@@ -14,10 +19,23 @@ impl Scene {
     /// # Errors
     ///
     /// Text that is not TOML, an unknown key, a wrong type, and all that [`Scene::validate`] finds,
-    /// with the line where the text has one.
+    /// with the key and the line where the text has one.
     pub fn from_toml(text: &str, source_name: &str) -> Result<Scene, SceneError> {
-        let scene: Scene = toml::from_str(text).map_err(|error| SceneError::at(source_name, error.to_string(), ""))?;
-        scene.validate()?;
+        let document = DeTable::parse(text).map_err(|error| toml_error(&error, text, &DeTable::new(), source_name))?;
+        let document = document.get_ref();
+        let with_place = |error: SceneError| {
+            let line = span_of(document, error.key()).map(|span| line_at(text, span.start));
+            error.in_file(source_name, line)
+        };
+        // First of all, as a file of another format may have any keys.
+        if let Some(schema) = document.get("schema")
+            && let Some(integer) = schema.get_ref().as_integer()
+            && let Ok(schema) = i64::from_str_radix(integer.as_str(), integer.radix())
+        {
+            validate_schema(schema).map_err(with_place)?;
+        }
+        let scene: Scene = toml::from_str(text).map_err(|error| toml_error(&error, text, document, source_name))?;
+        scene.validate().map_err(with_place)?;
         Ok(scene)
     }
 
@@ -39,7 +57,27 @@ impl Scene {
     ///
     /// What TOML cannot hold: a path that is not Unicode.
     pub fn to_toml(&self) -> Result<String, SceneError> {
-        toml::to_string(self)
-            .map_err(|error| SceneError::at("", format!("cannot be written as TOML: {error}"), "correct the scene"))
+        toml::to_string(self).map_err(|error| {
+            SceneError::at(
+                "",
+                format!("the scene cannot be written as TOML: {error}"),
+                "give the volume file a name in Unicode",
+            )
+        })
+    }
+}
+
+/// The TOML reader's error, with its place in `text`.
+fn toml_error(error: &toml::de::Error, text: &str, document: &DeTable, source_name: &str) -> SceneError {
+    let start = error.span().map(|span| span.start);
+    let (reason, right) = explain(error.message());
+    SceneError::Invalid {
+        place: Place {
+            file: Some(source_name.to_owned()),
+            line: start.map(|start| line_at(text, start)),
+            key: start.map_or_else(String::new, |start| key_at(document, start)),
+        },
+        reason,
+        right,
     }
 }
