@@ -1,1 +1,30 @@
-//! The host computer: base plane, templates, tables, registers, warp
+//! The host computer of Cube-3: it picks the base plane, makes templates and tables, and warps the picture.
+//!
+//! Everything that enters the machine is a [`FrameSetup`], what a driver would write into registers and
+//! tables; [`frame_setup`] makes it from a scene, a [`MachineSpec`] and what is known of the volume. The
+//! machine answers with a [`BasePlane`], which [`warp`] brings to the picture. Pfister et al. 1995, sections 2, 3.
+
+mod axes;
+mod classification;
+mod geometry;
+mod image_plane;
+mod machine;
+mod registers;
+mod setup;
+mod shading;
+mod template;
+mod warp;
+
+pub use axes::{Axes, CanonicalView, canonical};
+pub use geometry::{DiscreteRay, Geometry, RaySlots};
+pub use image_plane::ImagePlane;
+pub use machine::{
+    Abc, Cfb, ChannelSize, Channels, Dsb, GradientMethod, MachineError, MachineSpec, Rays, Reuse, ShadingUnit, Trilin,
+};
+pub use registers::{
+    Classification, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, HalfSpace, Linear, LinearFactor, Phong,
+    PhongLight, ReflectanceTable, Shading,
+};
+pub use setup::{Basis, Frame, HostError, LARGEST_SIDE, LeftOut, VolumeInfo, depth_range, frame_setup, step_length};
+pub use template::{SLOPE_FRACTION_BITS, Template, TemplateRule, largest_offset, slope_register};
+pub use warp::{BasePlane, over, warp, warp_reals};

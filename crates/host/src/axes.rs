@@ -1,0 +1,112 @@
+//! The base plane and the canonical octant: which voxel axis plays u, v and w, and in which order.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// The voxel axes behind u, v and w, and which of them run backwards.
+///
+/// Every parallel view becomes one with rays towards +w and slopes 1 ≥ du ≥ dv ≥ 0. The frame buffer
+/// serves beams along any axis in either order, so this costs the machine nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Axes {
+    /// For u, v, w: the voxel axis, 0 = x, 1 = y, 2 = z.
+    pub axis: [usize; 3],
+    /// For u, v, w: whether the coordinate runs against the voxel index.
+    pub reversed: [bool; 3],
+}
+
+/// The canonical view: axes, and the slopes du and dv in voxels of u and v for each voxel of w.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CanonicalView {
+    /// Which axis is which.
+    pub axes: Axes,
+    /// du and dv: 1 ≥ du ≥ dv ≥ 0.
+    pub slopes: [f64; 2],
+}
+
+/// Brings a view direction (world, from the eye into the scene) to the canonical octant.
+///
+/// The major axis w is the one along which the direction, in voxels, is largest; u is the next. Ties go to
+/// z before y before x. `spacing` is the size of a voxel. The direction must be finite and not zero.
+pub fn canonical(direction: DVec3, spacing: [f64; 3]) -> CanonicalView {
+    let in_voxels = [direction.x / spacing[0], direction.y / spacing[1], direction.z / spacing[2]];
+    let mut order = [2, 1, 0];
+    order.sort_by(|&a: &usize, &b: &usize| in_voxels[b].abs().total_cmp(&in_voxels[a].abs()));
+    let [w, u, v] = order;
+    let axis = [u, v, w];
+    let slope = |a: usize| (in_voxels[a] / in_voxels[w]).abs();
+    CanonicalView { axes: Axes { axis, reversed: axis.map(|a| in_voxels[a] < 0.0) }, slopes: [slope(u), slope(v)] }
+}
+
+impl Axes {
+    /// Something given for x, y, z, in the order u, v, w.
+    pub fn permute<T: Copy>(&self, xyz: [T; 3]) -> [T; 3] {
+        self.axis.map(|a| xyz[a])
+    }
+
+    /// A world vector in canonical components.
+    pub fn to_canonical(&self, vector: DVec3) -> [f64; 3] {
+        let world = vector.to_array();
+        [0, 1, 2].map(|i| if self.reversed[i] { -world[self.axis[i]] } else { world[self.axis[i]] })
+    }
+
+    /// A canonical vector in world components.
+    pub fn to_world(&self, canonical: [f64; 3]) -> DVec3 {
+        let mut world = [0.0; 3];
+        for i in 0..3 {
+            world[self.axis[i]] = if self.reversed[i] { -canonical[i] } else { canonical[i] };
+        }
+        DVec3::from_array(world)
+    }
+
+    /// The voxel index x, y, z of the canonical position `uvw` in a volume of `size` (u, v, w); also for
+    /// positions between voxels.
+    pub fn voxel_position(&self, size: [usize; 3], uvw: [f64; 3]) -> [f64; 3] {
+        let mut xyz = [0.0; 3];
+        for i in 0..3 {
+            xyz[self.axis[i]] = if self.reversed[i] { (size[i] - 1) as f64 - uvw[i] } else { uvw[i] };
+        }
+        xyz
+    }
+
+    /// The voxel index x, y, z of the canonical voxel `uvw` in a volume of `size` (u, v, w).
+    pub fn voxel(&self, size: [usize; 3], uvw: [usize; 3]) -> [usize; 3] {
+        let mut xyz = [0; 3];
+        for i in 0..3 {
+            xyz[self.axis[i]] = if self.reversed[i] { size[i] - 1 - uvw[i] } else { uvw[i] };
+        }
+        xyz
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ties_go_to_z_before_y_before_x() {
+        let view = canonical(DVec3::new(1.0, 1.0, 1.0), [1.0; 3]);
+        assert_eq!(view.axes.axis, [1, 0, 2]);
+        let view = canonical(DVec3::new(-1.0, 1.0, 0.0), [1.0; 3]);
+        assert_eq!((view.axes.axis, view.axes.reversed), ([0, 2, 1], [true, false, false]));
+    }
+
+    #[test]
+    fn spacing_is_folded_in_before_the_major_axis_is_chosen() {
+        let view = canonical(DVec3::new(0.0, 0.9, 1.0), [1.0, 1.0, 2.0]);
+        assert_eq!(view.axes.axis, [2, 0, 1]);
+        assert!((view.slopes[0] - 0.5 / 0.9).abs() < 1e-15);
+    }
+
+    #[test]
+    fn positions_and_vectors_go_there_and_back() {
+        let view = canonical(DVec3::new(-0.3, 0.2, -0.9), [1.0; 3]);
+        let size = view.axes.permute([5, 6, 7]);
+        assert_eq!(size, [5, 6, 7]);
+        assert_eq!(view.axes.voxel(size, [0, 0, 0]), [4, 0, 6]);
+        assert_eq!(view.axes.voxel_position(size, [0.5, 0.0, 1.0]), [3.5, 0.0, 5.0]);
+        let canonical = view.axes.to_canonical(DVec3::new(-0.3, 0.2, -0.9));
+        assert_eq!(canonical, [0.3, 0.2, 0.9]);
+        assert_eq!(view.axes.to_world(canonical), DVec3::new(-0.3, 0.2, -0.9));
+    }
+}

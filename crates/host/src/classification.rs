@@ -1,0 +1,89 @@
+//! The classification tables: opacity and colour over the sample word.
+
+use crate::{Basis, Classification, Geometry, GradientRows, MachineSpec, VolumeInfo, step_length};
+use cube3_scene::{Mode, Scene, corrected_opacity};
+use cube3_word::{quantise_unit, unit_full};
+
+/// Rows of the opacity table, where the scene's opacity depends on the gradient.
+pub(crate) fn gradient_rows(
+    scene: &Scene,
+    machine: &MachineSpec,
+    volume: &VolumeInfo,
+    basis: &Basis,
+) -> Option<GradientRows> {
+    if !scene.transfer.is_two_dimensional() {
+        return None;
+    }
+    let rows = 1_u32 << machine.words.table_gradient_bits;
+    let unit = magnitude_unit(machine, volume, basis);
+    let shift = (0..=machine.words.gradient_bits)
+        .find(|&shift| f64::from(rows) * f64::from(1_u32 << shift) * unit >= scene.transfer.largest_gradient())
+        .unwrap_or(machine.words.gradient_bits);
+    Some(GradientRows { shift, rows })
+}
+
+/// The gradient, in data values for each smallest voxel spacing, that a magnitude word of 1 stands for.
+fn magnitude_unit(machine: &MachineSpec, volume: &VolumeInfo, basis: &Basis) -> f64 {
+    let words = &machine.words;
+    let smallest = volume.spacing.iter().copied().fold(f64::INFINITY, f64::min);
+    let (_, length) = basis.scale(machine.abc.gradient);
+    let dropped = f64::from(1_u32 << words.gradient_drop()) / f64::from(1_u32 << words.sample_fraction_bits);
+    let value = (volume.window[1] - volume.window[0]) / f64::from(unit_full(words.voxel_bits));
+    value * dropped * 0.5 * smallest / length
+}
+
+/// The tables, each entry for the middle of the samples (and magnitudes) that share it.
+pub(crate) fn tables(
+    scene: &Scene,
+    machine: &MachineSpec,
+    volume: &VolumeInfo,
+    geometry: &Geometry,
+    rows: Option<GradientRows>,
+    basis: &Basis,
+) -> Classification {
+    let words = &machine.words;
+    let index_shift = words.sample_bits() - words.table_bits;
+    let full = f64::from(unit_full(words.voxel_bits));
+    let fraction = f64::from(1_u32 << words.sample_fraction_bits);
+    let [low, high] = volume.window;
+    let value_of = |sample: f64| low + sample / fraction / full * (high - low);
+    let wide = f64::from(1_u32 << index_shift);
+    let values: Vec<f64> =
+        (0..1_u32 << words.table_bits).map(|index| value_of((f64::from(index) + 0.5) * wide - 0.5)).collect();
+    let length = match scene.mode {
+        Mode::Composite if scene.transfer.opacity_correction => step_length(geometry, volume.spacing),
+        _ => 1.0,
+    };
+    let opacity = |value: f64, magnitude: f64| {
+        quantise_unit(corrected_opacity(scene.transfer.opacity_at(value, magnitude), length), words.opacity_bits)
+    };
+    let unit = magnitude_unit(machine, volume, basis);
+    let row_count = rows.map_or(1, |rows| rows.rows);
+    let row_width = rows.map_or(0.0, |rows| f64::from(1_u32 << rows.shift));
+    let opacity = (0..row_count)
+        .flat_map(|row| {
+            let magnitude = ((f64::from(row) + 0.5) * row_width - 0.5).max(0.0) * unit;
+            values.iter().map(move |&value| (value, magnitude))
+        })
+        .map(|(value, magnitude)| opacity(value, magnitude))
+        .collect();
+    let colour = values
+        .iter()
+        .map(|&value| scene.transfer.colour_at(value).map(|c| quantise_unit(c, words.colour_bits)))
+        .collect();
+    Classification { threshold: threshold(scene, machine, volume), index_shift, opacity, colour, gradient_rows: rows }
+}
+
+/// The scene's threshold as sample words, inclusive.
+fn threshold(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo) -> [u32; 2] {
+    let words = &machine.words;
+    let top = unit_full(words.voxel_bits) << words.sample_fraction_bits;
+    let [low, high] = volume.window;
+    let word_of = |value: f64| (value - low) / (high - low) * f64::from(top);
+    let bounds = scene.threshold.as_ref().map_or((None, None), |threshold| (threshold.low, threshold.high));
+    let last = unit_full(words.sample_bits());
+    [
+        bounds.0.map_or(0, |value| word_of(value).ceil().clamp(0.0, f64::from(last)) as u32),
+        bounds.1.map_or(last, |value| word_of(value).floor().clamp(0.0, f64::from(last)) as u32),
+    ]
+}

@@ -1,0 +1,207 @@
+//! `FrameSetup`: what a driver writes into the machine's registers and tables. Nothing else enters the machine.
+
+use crate::{Geometry, GradientMethod, Reuse};
+use cube3_scene::Mode;
+use cube3_word::Words;
+use serde::{Deserialize, Serialize};
+
+/// The registers and tables of one frame.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct FrameSetup {
+    /// Version of this form: 1.
+    pub schema: u32,
+    /// Word lengths that the tables below are made for.
+    pub words: Words,
+    /// Templates and slots.
+    pub geometry: Geometry,
+    /// Interpolation results that are kept.
+    pub reuse: Reuse,
+    /// Half-spaces that samples must lie in: cut planes and the crop box, none to twelve.
+    pub clips: Vec<HalfSpace>,
+    /// Sample to colour and opacity.
+    pub classification: Classification,
+    /// Gradient, absent where nothing reads it.
+    pub gradient: Option<GradientRegisters>,
+    /// Shading, absent where colours are used as they are.
+    pub shading: Option<Shading>,
+    /// Depth cueing, absent where there is none.
+    pub depth_cue: Option<LinearFactor>,
+    /// The cone's mode.
+    pub cone: ConeRegisters,
+}
+
+/// A linear function of ray and depth, `a·u + b·v + c·k + d`, in fixed point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Linear {
+    /// Step from a ray to the next along u.
+    pub u: i64,
+    /// Step along v.
+    pub v: i64,
+    /// Step along the ray.
+    pub k: i64,
+    /// Value at ray (0, 0), sample 0.
+    pub constant: i64,
+}
+
+impl Linear {
+    /// The value at a sample.
+    #[inline(always)]
+    pub fn at(&self, u: i64, v: i64, k: i64) -> i64 {
+        self.u * u + self.v * v + self.k * k + self.constant
+    }
+}
+
+/// Samples where the function is 0 or more are kept. Fractions of [`HalfSpace::FRACTION_BITS`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct HalfSpace {
+    /// Signed distance from the plane, in voxels.
+    pub distance: Linear,
+}
+
+impl HalfSpace {
+    /// Fraction bits of the distance.
+    pub const FRACTION_BITS: u32 = 32;
+}
+
+/// A factor 0 to 1, a fraction of [`LinearFactor::FRACTION_BITS`] of which the unit uses the leading
+/// [`LinearFactor::WORD_BITS`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct LinearFactor {
+    /// The factor before it is clamped to 0..1.
+    pub factor: Linear,
+}
+
+impl LinearFactor {
+    /// Fraction bits of the linear function.
+    pub const FRACTION_BITS: u32 = 28;
+    /// Fraction bits of the factor that multiplies.
+    pub const WORD_BITS: u32 = 12;
+
+    /// The factor word at a sample: 0 to `2^WORD_BITS`.
+    #[inline(always)]
+    pub fn word(&self, u: i64, v: i64, k: i64) -> u32 {
+        let clamped = self.factor.at(u, v, k).clamp(0, 1 << Self::FRACTION_BITS);
+        (clamped >> (Self::FRACTION_BITS - Self::WORD_BITS)) as u32
+    }
+}
+
+/// The classification tables.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Classification {
+    /// Samples outside of these words, inclusive, are transparent.
+    pub threshold: [u32; 2],
+    /// Right shift from a sample to the table's index.
+    pub index_shift: u32,
+    /// Opacity over the index, unit words of `opacity_bits`; for a two-dimensional table the rows of the
+    /// gradient's index follow each other, each of `colour.len()` entries.
+    pub opacity: Vec<u32>,
+    /// Colour over the index, unit words of `colour_bits`.
+    pub colour: Vec<[u32; 3]>,
+    /// For a two-dimensional table: how the gradient's magnitude becomes a row.
+    pub gradient_rows: Option<GradientRows>,
+}
+
+/// Rows of a two-dimensional opacity table: row = min(magnitude >> shift, rows − 1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct GradientRows {
+    /// Right shift of the magnitude.
+    pub shift: u32,
+    /// How many rows.
+    pub rows: u32,
+}
+
+/// Registers of the gradient unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct GradientRegisters {
+    /// Which samples are read.
+    pub method: GradientMethod,
+    /// Along u and v, fractions of the weight bits: du and dv for 12, 6d and 26d; the foot of the perpendicular
+    /// for 10. Closed range [0, 1].
+    pub weights: [u32; 2],
+    /// Factors of the three components, fractions of [`GradientRegisters::SCALE_BITS`], absent where all are 1.
+    pub scale: Option<[u32; 3]>,
+    /// The value of samples beyond the volume's border.
+    pub border: i32,
+}
+
+impl GradientRegisters {
+    /// Fraction bits of the scale factors.
+    pub const SCALE_BITS: u32 = 12;
+}
+
+/// Registers and tables of the shading unit.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Shading {
+    /// Normalised gradient and Phong's formula.
+    Phong(Phong),
+    /// A table over the gradient's direction.
+    Table(ReflectanceTable),
+}
+
+/// Integer Phong. Intensities are fractions of `colour_bits` (1 is `2^colour_bits`, below 16); directions are
+/// fractions of `normal_bits − 1`, against the gradient, in its frame.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Phong {
+    /// Reciprocal roots for the normaliser; see `cube3_abc::golden::normalise`.
+    pub root: Vec<u32>,
+    /// Index bits of the root table.
+    pub root_bits: u32,
+    /// Ambient intensity.
+    pub ambient: u32,
+    /// Lit from both sides.
+    pub two_sided: bool,
+    /// The lights.
+    pub lights: Vec<PhongLight>,
+    /// x^shininess over the unit interval, `2^power_bits + 1` entries, fractions of `colour_bits`.
+    pub power: Vec<u32>,
+    /// Index bits of the power table.
+    pub power_bits: u32,
+}
+
+/// One light of the Phong unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct PhongLight {
+    /// Towards the light, negated (the surface's normal is against the gradient).
+    pub direction: [i32; 3],
+    /// Halfway between light and eye, likewise.
+    pub halfway: [i32; 3],
+    /// Diffuse intensity of red, green, blue.
+    pub diffuse: [u32; 3],
+    /// Specular intensity, on the scale of a unit colour word.
+    pub specular: [u32; 3],
+}
+
+/// A reflectance table: six faces of a cube, each `2^bits` squared.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct ReflectanceTable {
+    /// Bits of each coordinate on a face.
+    pub bits: u32,
+    /// Ambient and diffuse intensity that multiplies the colour, fractions of `colour_bits`, over the direction.
+    pub diffuse: Vec<[u32; 3]>,
+    /// Specular intensity that is added, on the scale of a unit colour word.
+    pub specular: Vec<[u32; 3]>,
+    /// Intensity of a sample without a gradient.
+    pub flat: u32,
+    /// Reciprocal roots for the gradient's magnitude, and their index bits, where a 2-D table reads it.
+    pub root: Vec<u32>,
+    /// Index bits of the root table.
+    pub root_bits: u32,
+}
+
+/// Registers of the cone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct ConeRegisters {
+    /// What the nodes do.
+    pub mode: Mode,
+    /// Leaves: a ray of more samples is reduced in chunks of this many, and the chunks in order.
+    pub leaves: usize,
+    /// Opacity, unit word of the accumulator, from which a sample is opaque.
+    pub opaque: u32,
+    /// Weight of the weighted sum, a fraction of [`ConeRegisters::WEIGHT_BITS`].
+    pub sum_weight: u32,
+}
+
+impl ConeRegisters {
+    /// Fraction bits of the weighted sum's weight.
+    pub const WEIGHT_BITS: u32 = 16;
+}

@@ -1,0 +1,318 @@
+//! Makes the `FrameSetup`: scene and machine in, registers and tables out.
+
+use crate::{
+    Axes, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, HalfSpace, Linear, LinearFactor,
+    MachineSpec, canonical, classification, largest_offset, shading, slope_register,
+};
+use cube3_scene::{Mode, Scene, SceneError, ViewFrame};
+use cube3_word::{quantise_fraction, quantise_unit};
+
+/// Most voxels along an axis: what slope and template registers are exact for.
+pub const LARGEST_SIDE: usize = 4096;
+
+/// What the host needs to know of a volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VolumeInfo {
+    /// Voxels along x, y, z: 1 to [`LARGEST_SIDE`] each.
+    pub dims: [usize; 3],
+    /// Size of a voxel along x, y, z.
+    pub spacing: [f64; 3],
+    /// Data values of voxel word 0 and of the largest word.
+    pub window: [f64; 2],
+}
+
+/// Why a frame cannot be set up.
+#[derive(Debug, thiserror::Error)]
+pub enum HostError {
+    /// The scene.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A volume side out of range.
+    #[error(
+        "the volume has {dims:?} voxels along x, y, z; the machine's templates take 1 to {LARGEST_SIDE} each: crop or resample it"
+    )]
+    Size {
+        /// The sides.
+        dims: [usize; 3],
+    },
+}
+
+/// A frame as the host has set it up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// The registers and tables.
+    pub setup: FrameSetup,
+    /// The picture's axes.
+    pub view: ViewFrame,
+    /// What the plan left out of the setup.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Something that this scene does not need on this machine.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// The unit, table or buffer.
+    pub what: String,
+    /// Why it cannot change the picture.
+    pub why: String,
+    /// What that saves.
+    pub saves: String,
+}
+
+/// Sets a frame up. With `plan`, what cannot change a bit of the picture is left out; without, every unit runs.
+///
+/// # Errors
+/// A view without a direction, and volumes too large for the registers.
+pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, plan: bool) -> Result<Frame, HostError> {
+    if volume.dims.iter().any(|side| !(1..=LARGEST_SIDE).contains(side)) {
+        return Err(HostError::Size { dims: volume.dims });
+    }
+    let view = scene.view.frame()?;
+    let geometry = geometry(machine, volume, &view);
+    let basis = Basis::new(&geometry, volume.spacing, machine.abc.gradient);
+    let words = machine.words;
+    let lit = scene.material.shaded && lights_matter(scene.mode);
+    let rows = classification::gradient_rows(scene, machine, volume, &basis);
+    let mut left_out = Vec::new();
+    let mut leave = |what: &str, why: &str, saves: String| {
+        left_out.push(LeftOut { what: what.into(), why: why.into(), saves });
+    };
+    let gradient_needed = lit || rows.is_some();
+    let gradient = (gradient_needed || !plan).then(|| gradient_registers(machine, &geometry, &basis, plan));
+    if !gradient_needed && plan {
+        let planes = 4 * geometry.size[2] * geometry.slot_counts()[0];
+        leave(
+            "gradient unit",
+            "nothing in this scene reads a gradient",
+            format!("{planes} words of sample planes, a plane of fill"),
+        );
+    }
+    if let Some(registers) = &gradient
+        && plan
+        && registers.scale.is_none()
+    {
+        leave(
+            "gradient scale",
+            "the voxels are cubes and the estimator's frame has unit vectors",
+            "3 multipliers a lane".into(),
+        );
+    }
+    if !lit && plan {
+        leave("shading unit", "this mode or material uses colours as they are", "normaliser and lights".into());
+    }
+    if scene.depth_cue.is_none() && plan {
+        leave("depth cueing", "the scene has none", "3 multipliers a lane".into());
+    }
+    if rows.is_none() && plan {
+        leave(
+            "gradient rows of the opacity table",
+            "opacity depends on the value alone",
+            format!("{} table entries", ((1 << words.table_gradient_bits) - 1) << words.table_bits),
+        );
+    }
+    let clips = clips(scene, &geometry, volume.spacing);
+    if clips.is_empty() && plan {
+        leave("cut planes and crop box", "the scene has none", "12 comparators a lane".into());
+    }
+    if plan && !geometry.closes()[1] && geometry.slots == crate::RaySlots::Wrapped {
+        let words = geometry.size[0] * geometry.size[2];
+        leave(
+            "closing planes",
+            "no slot is shared along v in this view",
+            format!("{words} voxels and {} samples of buffer", 2 * words),
+        );
+    }
+    let setup = FrameSetup {
+        schema: 1,
+        words,
+        reuse: machine.trilin.reuse,
+        clips,
+        classification: classification::tables(scene, machine, volume, &geometry, rows, &basis),
+        gradient,
+        shading: lit.then(|| shading::registers(scene, machine, &view, &geometry, &basis, rows.is_some())),
+        depth_cue: depth_cue(scene, &geometry, volume, &view),
+        cone: ConeRegisters {
+            mode: scene.mode,
+            leaves: machine.lanes,
+            opaque: quantise_unit(scene.transfer.opaque_alpha, words.accumulator_bits),
+            sum_weight: quantise_fraction(1.0 / geometry.size[2] as f64, ConeRegisters::WEIGHT_BITS),
+        },
+        geometry,
+    };
+    Ok(Frame { setup, view, left_out })
+}
+
+/// Modes whose pixel is a lit colour; the others show values.
+fn lights_matter(mode: Mode) -> bool {
+    matches!(mode, Mode::Composite | Mode::FirstOpaque | Mode::LastOpaque)
+}
+
+fn geometry(machine: &MachineSpec, volume: &VolumeInfo, view: &ViewFrame) -> Geometry {
+    let canonical = canonical(view.direction, volume.spacing);
+    let slopes = canonical.slopes.map(slope_register);
+    let bits = machine.words.weight_bits;
+    let wanted = quantise_fraction(machine.rays.offset, bits);
+    let offset = wanted.min(largest_offset(machine.rays.template, slopes, bits));
+    let size = canonical.axes.permute(volume.dims);
+    Geometry::new(size, canonical.axes, slopes, offset, bits, machine.rays.template, machine.rays.slots)
+}
+
+/// The frame that a gradient's components are in, treated as orthonormal by the shading unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Basis {
+    /// Unit vectors of the components, in canonical world lengths.
+    pub vectors: [[f64; 3]; 3],
+    /// Length that half of each difference is taken over, in the unit of the spacing.
+    pub lengths: [f64; 3],
+    /// Along-ray parts of the feet of the perpendiculars from the side rays, 0 to 1 (method 10).
+    pub feet: [f64; 2],
+}
+
+impl Basis {
+    /// The frame of an estimator for a geometry and voxel `spacing` (x, y, z).
+    pub fn new(geometry: &Geometry, spacing: [f64; 3], method: GradientMethod) -> Basis {
+        let s = geometry.axes.permute(spacing);
+        let [du, dv] = geometry.real_slopes();
+        let ray = [s[0] * du, s[1] * dv, s[2]];
+        let square: f64 = ray.iter().map(|x| x * x).sum();
+        let feet = [(s[0] * ray[0] / square).min(1.0), (s[1] * ray[1] / square).min(1.0)];
+        let (vectors, lengths) = match method {
+            GradientMethod::Ten | GradientMethod::TenNormalised => {
+                let side = |axis: usize| {
+                    let mut vector = ray.map(|x| -feet[axis] * x);
+                    vector[axis] += s[axis];
+                    vector
+                };
+                let vectors = [side(0), side(1), ray];
+                let lengths = vectors.map(|v| v.iter().map(|x| x * x).sum::<f64>().sqrt());
+                ([0, 1, 2].map(|i| vectors[i].map(|x| x / lengths[i])), lengths)
+            }
+            _ => ([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], s),
+        };
+        Basis { vectors, lengths, feet }
+    }
+
+    /// Factors that the components are multiplied with, the largest 1; and the length that the
+    /// differences are then relative to.
+    pub fn scale(&self, method: GradientMethod) -> ([f64; 3], f64) {
+        let shortest = self.lengths.iter().copied().fold(f64::INFINITY, f64::min);
+        if method == GradientMethod::Ten {
+            return ([1.0; 3], shortest);
+        }
+        (self.lengths.map(|length| shortest / length), shortest)
+    }
+
+    /// A world vector in the frame's components.
+    pub fn components(&self, axes: &Axes, world: glam::DVec3) -> [f64; 3] {
+        let canonical = axes.to_canonical(world);
+        self.vectors.map(|v| v[0] * canonical[0] + v[1] * canonical[1] + v[2] * canonical[2])
+    }
+
+    /// A gradient in the frame's components as a world vector.
+    pub fn world(&self, axes: &Axes, components: [f64; 3]) -> glam::DVec3 {
+        let canonical = [0, 1, 2].map(|i| (0..3).map(|j| components[j] * self.vectors[j][i]).sum());
+        axes.to_world(canonical)
+    }
+}
+
+fn gradient_registers(machine: &MachineSpec, geometry: &Geometry, basis: &Basis, plan: bool) -> GradientRegisters {
+    let method = machine.abc.gradient;
+    let weights = match method {
+        GradientMethod::Ten | GradientMethod::TenNormalised => basis.feet,
+        _ => geometry.real_slopes(),
+    };
+    let (factors, _) = basis.scale(method);
+    let scale = factors.map(|factor| quantise_fraction(factor, GradientRegisters::SCALE_BITS));
+    let unity = scale.iter().all(|&factor| factor == 1 << GradientRegisters::SCALE_BITS);
+    GradientRegisters {
+        method,
+        weights: weights.map(|weight| quantise_fraction(weight, machine.words.weight_bits)),
+        scale: (!unity || !plan).then_some(scale),
+        border: 0,
+    }
+}
+
+/// A function `normal · p + constant` of the voxel position, over rays and depths.
+fn linear(geometry: &Geometry, normal: [f64; 3], constant: f64, fraction_bits: u32) -> Linear {
+    let [du, dv] = geometry.real_slopes();
+    let along = normal[0] * du + normal[1] * dv + normal[2];
+    let one = (1_u64 << fraction_bits) as f64;
+    let quantise = |x: f64| (x * one).round() as i64;
+    Linear {
+        u: quantise(normal[0]),
+        v: quantise(normal[1]),
+        k: quantise(along),
+        constant: quantise(constant + geometry.real_offset() * along),
+    }
+}
+
+/// `normal · (p − through)` of voxel positions x, y, z, in canonical coordinates: normal and constant.
+fn canonical_plane(geometry: &Geometry, normal: [f64; 3], through: [f64; 3]) -> ([f64; 3], f64) {
+    let mut result = [0.0; 3];
+    let mut constant = 0.0;
+    for i in 0..3 {
+        let axis = geometry.axes.axis[i];
+        let last = (geometry.size[i] - 1) as f64;
+        if geometry.axes.reversed[i] {
+            result[i] = -normal[axis];
+            constant += normal[axis] * (last - through[axis]);
+        } else {
+            result[i] = normal[axis];
+            constant -= normal[axis] * through[axis];
+        }
+    }
+    (result, constant)
+}
+
+fn clips(scene: &Scene, geometry: &Geometry, spacing: [f64; 3]) -> Vec<HalfSpace> {
+    let half_space = |outward: [f64; 3], through: [f64; 3]| {
+        let (normal, constant) = canonical_plane(geometry, outward.map(|x| -x), through);
+        HalfSpace { distance: linear(geometry, normal, constant, HalfSpace::FRACTION_BITS) }
+    };
+    let mut clips = Vec::new();
+    for cut in &scene.cuts {
+        let scaled = [0, 1, 2].map(|i| cut.normal[i] * spacing[i]);
+        let largest = scaled.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        clips.push(half_space(scaled.map(|x| x / largest), cut.through_voxel));
+    }
+    if let Some(crop) = &scene.crop {
+        for axis in 0..3 {
+            let mut outward = [0.0; 3];
+            outward[axis] = -1.0;
+            clips.push(half_space(outward, crop.min_voxel));
+            outward[axis] = 1.0;
+            clips.push(half_space(outward, crop.max_voxel));
+        }
+    }
+    clips
+}
+
+fn depth_cue(scene: &Scene, geometry: &Geometry, volume: &VolumeInfo, view: &ViewFrame) -> Option<LinearFactor> {
+    let cue = scene.depth_cue.as_ref()?;
+    let [near, far] = depth_range(view, volume.dims, volume.spacing);
+    let rate = if far > near { (cue.back - cue.front) / (far - near) } else { 0.0 };
+    let normal = [0, 1, 2].map(|i| view.direction[i] * volume.spacing[i] * rate);
+    let (normal, constant) = canonical_plane(geometry, normal, [0.0; 3]);
+    let constant = constant + cue.front - near * rate;
+    Some(LinearFactor { factor: linear(geometry, normal, constant, LinearFactor::FRACTION_BITS) })
+}
+
+/// Distance along the view of the nearest and of the farthest corner voxel's centre, from voxel (0, 0, 0).
+pub fn depth_range(view: &ViewFrame, dims: [usize; 3], spacing: [f64; 3]) -> [f64; 2] {
+    let mut range = [0.0; 2];
+    for i in 0..3 {
+        let reach = view.direction[i] * (dims[i] - 1) as f64 * spacing[i];
+        range[0] += reach.min(0.0);
+        range[1] += reach.max(0.0);
+    }
+    range
+}
+
+/// Length of a ray's step in units of the smallest voxel spacing: what opacity is corrected to.
+pub fn step_length(geometry: &Geometry, spacing: [f64; 3]) -> f64 {
+    let s = geometry.axes.permute(spacing);
+    let [du, dv] = geometry.real_slopes();
+    let smallest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
+    let square = (s[0] * du).powi(2) + (s[1] * dv).powi(2) + s[2].powi(2);
+    square.sqrt() / smallest
+}

@@ -1,0 +1,98 @@
+//! The base-plane image, and its warp to the picture.
+
+use crate::{Geometry, ImagePlane};
+use glam::DVec2;
+
+/// The machine's output: a pixel for each ray, red, green, blue (opacity-weighted) and opacity, unit words of
+/// `bits`. Row-major from ray (−Y, −X).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BasePlane {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Bits of a component.
+    pub bits: u32,
+    /// The pixels.
+    pub pixels: Vec<[u32; 4]>,
+}
+
+impl BasePlane {
+    /// An empty base plane of a geometry's size.
+    pub fn empty(geometry: &Geometry, bits: u32) -> BasePlane {
+        let [width, height] = geometry.base_plane_size();
+        BasePlane { width, height, bits, pixels: vec![[0; 4]; width * height] }
+    }
+
+    /// The pixel as reals 0 to 1; transparent beyond the edge.
+    fn real(&self, column: i64, row: i64) -> [f64; 4] {
+        if column < 0 || row < 0 || column >= self.width as i64 || row >= self.height as i64 {
+            return [0.0; 4];
+        }
+        let full = f64::from(cube3_word::unit_full(self.bits));
+        self.pixels[row as usize * self.width + column as usize].map(|word| f64::from(word) / full)
+    }
+
+    /// The base plane over a background, row-major: opacity-weighted colour plus what shows through.
+    pub fn over(&self, background: [f64; 3]) -> Vec<[f64; 3]> {
+        let full = f64::from(cube3_word::unit_full(self.bits));
+        self.pixels.iter().map(|pixel| over(pixel.map(|word| f64::from(word) / full), background)).collect()
+    }
+}
+
+/// Opacity-weighted colour over a background, held to 0..1.
+pub fn over(pixel: [f64; 4], background: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|i| (pixel[i] + (1.0 - pixel[3]) * background[i]).clamp(0.0, 1.0))
+}
+
+/// Warps a base plane given as a function of (column, row) to the picture: bilinear, over `background`, row-major
+/// from the top left.
+pub fn warp(
+    base: &BasePlane,
+    geometry: &Geometry,
+    plane: &ImagePlane,
+    spacing: [f64; 3],
+    background: [f64; 3],
+) -> Vec<[f64; 3]> {
+    warp_reals(&|column, row| base.real(column, row), geometry, plane, spacing, background)
+}
+
+/// The same for a base plane of reals, `pixel(column, row)` opacity-weighted and transparent beyond the edge.
+pub fn warp_reals(
+    pixel: &dyn Fn(i64, i64) -> [f64; 4],
+    geometry: &Geometry,
+    plane: &ImagePlane,
+    spacing: [f64; 3],
+    background: [f64; 3],
+) -> Vec<[f64; 3]> {
+    let to_base = plane.to_base_plane(geometry, spacing);
+    let origin = DVec2::new(geometry.shear_u() as f64, geometry.shear_v() as f64);
+    let mut picture = Vec::with_capacity(plane.width * plane.height);
+    for row in 0..plane.height {
+        for column in 0..plane.width {
+            let at = to_base.transform_point2(DVec2::new(column as f64, row as f64)) + origin;
+            picture.push(over(bilinear(pixel, at), background));
+        }
+    }
+    picture
+}
+
+fn bilinear(pixel: &dyn Fn(i64, i64) -> [f64; 4], at: DVec2) -> [f64; 4] {
+    let corner = at.floor();
+    let part = at - corner;
+    let (column, row) = (corner.x as i64, corner.y as i64);
+    let mut sum = [0.0; 4];
+    let weights = [
+        (0, 0, (1.0 - part.x) * (1.0 - part.y)),
+        (1, 0, part.x * (1.0 - part.y)),
+        (0, 1, (1.0 - part.x) * part.y),
+        (1, 1, part.x * part.y),
+    ];
+    for (right, below, weight) in weights {
+        let corner = pixel(column + right, row + below);
+        for i in 0..4 {
+            sum[i] += weight * corner[i];
+        }
+    }
+    sum
+}
