@@ -64,7 +64,7 @@ pub(crate) fn errors(error: &ErrorReport) -> Vec<(&'static str, [String; 2])> {
 
 /// Peak signal-to-noise ratio in words.
 pub(crate) fn psnr(psnr_db: Option<f64>) -> String {
-    psnr_db.map_or("equal".into(), |decibels| format!("{} dB", number(decibels)))
+    psnr_db.map_or("∞, equal".into(), |decibels| format!("{} dB", number(decibels)))
 }
 
 /// How long the simulation took. Nothing for what was not run.

@@ -83,9 +83,9 @@ fn headline(report: &RunReport) -> Markup {
         let frame = prefixed(timing.frame_time_s, "s");
         tiles.push(("Frames per second", number(timing.fps), sustained));
         tiles.push(("Cycles", count(timing.cycles), format!("{frame} at {clock}")));
-        let rate = prefixed(timing.samples_per_s, "samples/s");
+        let rate = prefixed(timing.samples_per_s, "");
         let samples = format!("{} samples, {} beams", count(timing.samples), count(timing.beams));
-        tiles.push(("Sample rate", rate, samples));
+        tiles.push(("Samples per second", rate, samples));
     }
     if let Some(error) = &report.error {
         let against = format!("mean RGB distance against {}", error.against);

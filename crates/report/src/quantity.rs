@@ -13,7 +13,8 @@ pub(crate) fn count(value: u64) -> String {
     text
 }
 
-/// Three or four significant digits, such as `34.1`, `0.00214` or `1.2e-9`.
+/// Three significant digits or all before the point, such as `34.1`, `0.00214` or `1.25e-9`. An exact
+/// value goes without zeros at its end: `0.5`, `8`.
 pub(crate) fn number(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 {
@@ -22,16 +23,18 @@ pub(crate) fn number(value: f64) -> String {
         format!("{value:.2e}")
     } else {
         let decimals = (2 - size.log10().floor() as i32).clamp(0, 6);
-        format!("{value:.*}", decimals as usize)
+        let text = format!("{value:.*}", decimals as usize);
+        let exact = text.contains('.') && text.parse() == Ok(value);
+        if exact { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
     }
 }
 
-/// A value with a unit and a prefix, such as `34.1 ms` or `4.03 Gsamples/s`.
+/// A value with a unit and a prefix, such as `34.1 ms`, `4.03 Gsamples/s` or, without a unit, `4.03 G`.
 pub(crate) fn prefixed(value: f64, unit: &str) -> String {
     const PREFIXES: [(f64, &str); 8] =
         [(1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")];
     let (scale, prefix) = PREFIXES.into_iter().find(|(scale, _)| value.abs() >= *scale).unwrap_or((1.0, ""));
-    format!("{} {prefix}{unit}", number(value / scale))
+    format!("{} {prefix}{unit}", number(value / scale)).trim_end().into()
 }
 
 /// A fraction as a percentage, such as `0.851 %`.
@@ -63,7 +66,10 @@ mod tests {
         assert_eq!(number(262_144.0), "262144");
         assert_eq!(number(0.002_141_9), "0.00214");
         assert_eq!(number(1.25e-9), "1.25e-9");
-        assert_eq!(number(-2.5), "-2.50");
+        assert_eq!(number(2.501), "2.50");
+        assert_eq!(number(-2.5), "-2.5");
+        assert_eq!(number(8.0), "8");
+        assert_eq!(number(100.0), "100");
     }
 
     #[test]
@@ -71,5 +77,7 @@ mod tests {
         assert_eq!(prefixed(4.03e9, "samples/s"), "4.03 Gsamples/s");
         assert_eq!(prefixed(0.0341, "s"), "34.1 ms");
         assert_eq!(prefixed(0.0, "s"), "0 s");
+        assert_eq!(prefixed(4.03e9, ""), "4.03 G");
+        assert_eq!(prefixed(512.0, ""), "512");
     }
 }

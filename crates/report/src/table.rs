@@ -16,7 +16,8 @@ const WIDTH: u16 = 80;
 ///
 /// Control characters in names are replaced, so that a file's name cannot steer the terminal.
 pub fn table(report: &RunReport) -> String {
-    let mut text = format!("{}: {}\n", report.program.name, facts::subject(report));
+    let title = format!("{}: {}", report.program.name, facts::subject(report));
+    let mut text = format!("{}\n", clean(&title).replace('\n', " "));
     let mut section = |title: &str, body: String| {
         text.push_str(&format!("\n{title}\n{body}\n"));
     };
@@ -71,13 +72,17 @@ fn units(units: &[UnitReport]) -> String {
 }
 
 fn errors(error: &ErrorReport) -> String {
-    let rows = facts::errors(error).into_iter().map(|(what, [whole, object])| vec![what.into(), whole, object]);
-    let mut rows: Vec<_> = rows.collect();
-    rows.push(vec!["Pixels of the object".into(), String::new(), count(error.footprint.pixels as u64)]);
-    let against = clean(&error.against);
-    let table = render(&["", "image", "object alone"], rows, &[1, 2]);
+    let mut rows = vec![];
+    for (what, [whole, object]) in facts::errors(error) {
+        rows.push(vec![what.into(), whole, object]);
+    }
+    let pixels = count(error.footprint.pixels as u64);
+    rows.push(vec!["Pixels of the object".into(), String::new(), pixels]);
+    let measures = render(&["", "image", "object alone"], rows, &[1, 2]);
     let factor = number(error.difference_factor);
-    format!("  against {against}; the difference picture is magnified {factor} times\n{table}")
+    let about =
+        listed(vec![("Against", error.against.clone()), ("Difference picture", format!("magnified {factor} times"))]);
+    format!("{about}\n\n{measures}")
 }
 
 fn left_out(enabled: bool, left_out: &[LeftOut]) -> String {

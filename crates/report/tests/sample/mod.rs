@@ -1,0 +1,122 @@
+//! A made-up report with something in every field, for the tests and the example.
+
+use std::collections::BTreeMap;
+
+use cube3_metrics::{ImageComparison, ImageError};
+use cube3_report::*;
+use serde_json::json;
+
+const CYCLES: u64 = 18_207;
+
+pub fn report() -> RunReport {
+    RunReport {
+        schema: SCHEMA,
+        program: Program { name: "cube3".into(), version: "0.1.0".into() },
+        fidelity: "timing + function".into(),
+        seed: 3,
+        scene: json!({
+            "name": "Head phantom, bone and skin",
+            "view": {"yaw_deg": 30.0, "tilt_deg": 7.0},
+            "mode": "composite",
+            "opacity": [[0, 0.0], [900, 0.0], [1200, 0.6]],
+        }),
+        machine: json!({"name": "cube3-128", "lanes": 128, "clock_hz": 8e6}),
+        volume: VolumeReport {
+            source: "phantom head".into(),
+            dims: [128, 128, 128],
+            spacing: [1.0, 1.0, 1.0],
+            conversion: json!({"window": [0.0, 1.0], "bits": 16, "rounding": "nearest"}),
+        },
+        view: ViewReport {
+            major_axis: "z".into(),
+            flips: [false, true, false],
+            slopes: [0.577_350_269_189_625_8, 0.141_775],
+            offset: 0.5,
+            template_rule: "plane floor".into(),
+            base_plane_size: [202, 146],
+        },
+        plan: PlanReport {
+            enabled: true,
+            left_out: vec![
+                LeftOut {
+                    what: "cut planes".into(),
+                    why: "the scene has none".into(),
+                    saves: "6 comparators in each of 128 lanes".into(),
+                },
+                LeftOut {
+                    what: "1,204 beams".into(),
+                    why: "every voxel in them has opacity 0 under the transfer function".into(),
+                    saves: "7.3 % of the fetches".into(),
+                },
+            ],
+        },
+        timing: Some(
+            TimingCounts {
+                cycles: CYCLES,
+                clock_hz: 8e6,
+                beams: 16_384,
+                samples: 2_064_384,
+                ray_slots: 16_384,
+                fill_cycles: 214,
+            }
+            .into(),
+        ),
+        units: vec![
+            unit("cfb", 16_384, 0, 1_003, &[("memory", 700), ("refresh", 120)]),
+            unit("bus", 16_384, 1_823, 0, &[]),
+            unit("dsb", 16_384, 1_523, 300, &[]),
+            unit("trilin", 16_384, 1_823, 0, &[]),
+            unit("abc", 15_180, 3_027, 0, &[]),
+            unit("cone", 4_100, 14_107, 0, &[]),
+        ],
+        channels: vec![
+            channel("beams", 4, 2, 16_384, 3.4),
+            channel("aligned", 4, 2, 16_384, 1.1),
+            channel("rays", 8, 3, 16_384, 2.7),
+        ],
+        words: WordsReport { overflows: [("abc.colour".into(), 12), ("cone.opacity".into(), 0)].into() },
+        error: Some(ErrorReport {
+            gradient_mean_deg: Some(3.1),
+            ..ErrorReport::new("image-order, step 1", &comparison(), 5.0)
+        }),
+        digest: DigestReport { base_plane: Some(sha256_hex(b"base plane")), image: Some(sha256_hex(b"image")) },
+        wall: WallReport {
+            timing_s: Some(0.0031),
+            function_s: Some(0.021),
+            cycle_s: None,
+            reference_s: Some(1.94),
+            total_s: Some(2.2),
+            samples_per_s: Some(9.8e7),
+            threads: Some(2),
+        },
+    }
+}
+
+fn unit(name: &str, busy: u64, starved: u64, blocked: u64, waiting: &[(&str, u64)]) -> UnitReport {
+    let waiting: BTreeMap<String, u64> = waiting.iter().map(|&(reason, cycles)| (reason.to_string(), cycles)).collect();
+    UnitReport { name: name.into(), busy, starved, blocked, waiting }
+}
+
+fn channel(name: &str, capacity: u64, latency: u64, pushes: u64, mean_occupancy: f64) -> ChannelReport {
+    ChannelReport {
+        name: name.into(),
+        capacity,
+        latency,
+        pushes,
+        pops: pushes,
+        occupancy: 0,
+        max_occupancy: capacity,
+        mean_occupancy,
+    }
+}
+
+fn comparison() -> ImageComparison {
+    let error = |scale: f64| ImageError {
+        mean_relative: 0.0041 * scale,
+        rms: 0.013_7 * scale,
+        max: 0.172_549_019_607_843_14,
+        psnr_db: Some(-20.0 * (0.013_7 * scale).log10()),
+        fraction_off: 0.23 * scale,
+    };
+    ImageComparison { whole: error(1.0), footprint: error(2.2), footprint_pixels: 9_412 }
+}
