@@ -205,6 +205,16 @@ fn a_scene_file_is_read_and_a_missing_one_named() {
     assert!(missing.contains("absent.toml") && !missing.contains('\n'), "{missing}");
 }
 
+#[cfg(unix)]
+#[test]
+fn a_path_that_is_not_unicode_is_an_error_and_not_a_panic() {
+    use std::os::unix::ffi::OsStringExt;
+    let path = std::ffi::OsString::from_vec(vec![b'a', 0xFF]);
+    let scene = Scene { volume: VolumeSource::from_file(path), ..Scene::default() };
+    assert_eq!(scene.validate().unwrap_err().key(), "volume.file");
+    assert!(scene.to_toml().is_err());
+}
+
 fn unit() -> impl Strategy<Value = f64> {
     prop_oneof![0.0..=1.0_f64, Just(0.0), Just(1.0), Just(f64::MIN_POSITIVE)]
 }
