@@ -2,9 +2,9 @@
 //! cut away.
 //!
 //! A [`Scene`] is data, read from a TOML file or taken from [`Scene::default`], which is the scene of
-//! the paper (Pfister et al. 1995, section 6). It says nothing about how the picture is made: the machine
-//! and every reference renderer show the same scene. What they must agree on to the letter is defined
-//! here once, in real numbers:
+//! the paper's comparison (Pfister et al. 1995, section 6, figure 14) with a phantom for the CT head. It
+//! says nothing about how the picture is made: the machine and every reference renderer show the same
+//! scene. What they must agree on to the letter is defined here once, in real numbers:
 //!
 //! - [`View::frame`]: the axes of the picture;
 //! - [`Transfer::opacity_at`] and [`Transfer::colour_at`]: classification;

@@ -40,7 +40,7 @@ mod tests {
 
     #[test]
     fn no_length_is_clear_and_unit_length_changes_nothing() {
-        // The formula itself returns about one in three of the thousandths changed.
+        // The formula alone changes the last bit of some of these.
         let thousandths = (0..=1000).map(|i| f64::from(i) / 1000.0);
         for alpha in thousandths.chain([1e-300, ALMOST_FULL]) {
             assert_eq!(corrected_opacity(alpha, 0.0), 0.0);
