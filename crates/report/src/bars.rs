@@ -34,19 +34,24 @@ pub(crate) fn bars(units: &[UnitReport]) -> Markup {
 }
 
 fn pieces(unit: &UnitReport, top: u32) -> Markup {
-    let shares = cycle_shares(unit);
     let span = f64::from(WIDTH - LABEL) / 1000.0;
-    let mut before = 0;
+    let mut right = f64::from(LABEL);
+    let mut pieces = cycle_shares(unit)
+        .into_iter()
+        .map(|share| {
+            let (left, width) = (right, span * f64::from(share.thousandths));
+            right += width;
+            (share, left, width)
+        })
+        .collect::<Vec<_>>();
+    pieces.retain(|(share, ..)| share.thousandths > 0);
     html! {
-        @for share in shares.iter().filter(|share| share.thousandths > 0) {
-            @let x = f64::from(LABEL) + span * f64::from(before);
-            @let width = span * f64::from(share.thousandths);
-            @let _ = { before += share.thousandths; };
+        @for (share, left, width) in &pieces {
             g {
                 title { (unit.name) ": " (share.name) " " (count(share.cycles)) " cycles, " (percent(share.thousandths)) }
-                rect.(class(share.kind)) x=(format!("{x:.2}")) y=(top) width=(format!("{width:.2}")) height=(BAR) {}
-                @if let Some(label) = label(share, width) {
-                    text.on.(class(share.kind)) x=(format!("{:.2}", x + width / 2.0)) y=(top + BAR - 9) text-anchor="middle" { (label) }
+                rect.(class(share.kind)) x=(format!("{left:.2}")) y=(top) width=(format!("{width:.2}")) height=(BAR) {}
+                @if let Some(label) = label(share, *width) {
+                    text.on.(class(share.kind)) x=(format!("{:.2}", left + width / 2.0)) y=(top + BAR - 9) text-anchor="middle" { (label) }
                 }
             }
         }
@@ -75,7 +80,7 @@ fn legend() -> Markup {
         (CycleKind::Busy, "busy: working (plain)"),
         (CycleKind::Starved, "starved: no input (dots)"),
         (CycleKind::Blocked, "blocked: no room for the result (stripes)"),
-        (CycleKind::Waiting, "waiting for memory, bus or refresh (grid)"),
+        (CycleKind::Waiting, "waiting for a resource (grid)"),
     ];
     html! {
         ul.legend {

@@ -337,7 +337,7 @@ fn listed(facts: &[Fact]) -> Markup {
 
 /// The value as TOML, ready for a file; as JSON where TOML cannot say it (a null, a bare value).
 fn source(title: &str, value: &Value) -> Markup {
-    let (language, text) = match toml::to_string_pretty(value) {
+    let (language, text) = match toml::to_string(value) {
         Ok(text) => ("TOML", text),
         Err(_) => ("JSON", format!("{value:#}")),
     };
