@@ -1,1 +1,21 @@
-//! Clock, bounded pipelined channels, unit accounting
+//! Clock, bounded pipelined channels, and the accounting of units.
+//!
+//! A machine is a set of units that are joined by [`Channel`]s. In every cycle each unit ticks once, in any
+//! order, and then every channel commits; what was pushed becomes visible, and what was popped gives its
+//! credit back, only after that. So the order of the ticks cannot matter.
+//!
+//! ```text
+//!            push             pop
+//!   unit A ───────► channel ───────► unit B      tick A, tick B, …, then commit every channel
+//!          ◄─ credit         ◄─ token
+//! ```
+
+mod account;
+mod channel;
+mod stall;
+mod unit;
+
+pub use account::{Account, Activity, Reason};
+pub use channel::{Channel, ChannelCounters, ChannelError};
+pub use stall::{Deadlock, PortState, Wait, diagnose};
+pub use unit::{Pipe, Unit};

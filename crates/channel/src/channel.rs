@@ -1,0 +1,292 @@
+//! A bounded pipelined channel with credits.
+
+use serde::{Deserialize, Serialize};
+
+/// A first-in first-out channel of `capacity` tokens, each of which takes `latency` cycles from push to pop.
+///
+/// One token is pushed and one popped in a cycle at most. A token on its way counts towards the
+/// capacity, and the credit of a popped token comes back with the commit, so a full rate needs a capacity of
+/// `latency + 1`.
+#[derive(Clone, Debug)]
+pub struct Channel<T> {
+    name: &'static str,
+    slots: Box<[T]>,
+    ready: Box<[u64]>,
+    mask: usize,
+    head: usize,
+    len: usize,
+    capacity: usize,
+    latency: u64,
+    now: u64,
+    pushed: bool,
+    popped: bool,
+    counters: ChannelCounters,
+}
+
+/// What a channel has counted. `pushes = pops + occupancy` at all times.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ChannelCounters {
+    /// Tokens pushed.
+    pub pushes: u64,
+    /// Tokens popped.
+    pub pops: u64,
+    /// Most tokens held at a commit.
+    pub max_occupancy: u64,
+    /// Tokens held, summed over the commits.
+    pub occupancy_cycles: u64,
+}
+
+/// A channel that cannot be built.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ChannelError {
+    /// No room for a token.
+    #[error("channel {name}: a capacity of 0 can hold nothing; give at least 1")]
+    Capacity {
+        /// The channel.
+        name: &'static str,
+    },
+    /// A token would be seen in the cycle in which it is pushed, and the order of ticks would matter.
+    #[error("channel {name}: a latency of 0 cycles makes the order of units matter; give at least 1")]
+    Latency {
+        /// The channel.
+        name: &'static str,
+    },
+}
+
+impl<T: Default> Channel<T> {
+    /// An empty channel.
+    ///
+    /// # Errors
+    /// A capacity or a latency of 0.
+    pub fn new(name: &'static str, capacity: usize, latency: u64) -> Result<Channel<T>, ChannelError> {
+        if capacity == 0 {
+            return Err(ChannelError::Capacity { name });
+        }
+        if latency == 0 {
+            return Err(ChannelError::Latency { name });
+        }
+        let ring = capacity.next_power_of_two();
+        Ok(Channel {
+            name,
+            slots: (0..ring).map(|_| T::default()).collect(),
+            ready: vec![0; ring].into(),
+            mask: ring - 1,
+            head: 0,
+            len: 0,
+            capacity,
+            latency,
+            now: 0,
+            pushed: false,
+            popped: false,
+            counters: ChannelCounters::default(),
+        })
+    }
+
+    /// Pops the oldest token that has arrived.
+    #[inline]
+    pub fn pop(&mut self) -> Option<T> {
+        self.pop_slot().map(std::mem::take)
+    }
+}
+
+impl<T> Channel<T> {
+    /// Whether a token can be pushed in this cycle: a credit is there and nothing has been pushed yet.
+    #[inline]
+    pub fn can_push(&self) -> bool {
+        !self.pushed && self.len + usize::from(self.popped) < self.capacity
+    }
+
+    /// Pushes a token; gives it back where there is no credit.
+    ///
+    /// # Errors
+    /// The token.
+    #[inline]
+    pub fn push(&mut self, token: T) -> Result<(), T> {
+        match self.push_slot() {
+            Some(slot) => {
+                *slot = token;
+                Ok(())
+            }
+            None => Err(token),
+        }
+    }
+
+    /// The place of a new token, which holds an old one whose memory can be used again.
+    #[inline]
+    pub fn push_slot(&mut self) -> Option<&mut T> {
+        if !self.can_push() {
+            return None;
+        }
+        self.pushed = true;
+        self.counters.pushes += 1;
+        let place = (self.head + self.len) & self.mask;
+        self.len += 1;
+        self.ready[place] = self.now + self.latency;
+        Some(&mut self.slots[place])
+    }
+
+    /// The oldest token, where it has arrived and none has been popped in this cycle.
+    #[inline]
+    pub fn front(&self) -> Option<&T> {
+        let arrived = self.len > 0 && !self.popped && self.ready[self.head] <= self.now;
+        arrived.then(|| &self.slots[self.head])
+    }
+
+    /// Pops the oldest token in place; its memory stays with the channel and may be swapped out.
+    #[inline]
+    pub fn pop_slot(&mut self) -> Option<&mut T> {
+        self.front()?;
+        self.popped = true;
+        self.counters.pops += 1;
+        let place = self.head;
+        self.head = (self.head + 1) & self.mask;
+        self.len -= 1;
+        Some(&mut self.slots[place])
+    }
+
+    /// Ends the cycle: what was pushed is on its way, and the credit of what was popped is back.
+    #[inline]
+    pub fn commit(&mut self) {
+        self.now += 1;
+        self.pushed = false;
+        self.popped = false;
+        let held = self.len as u64;
+        self.counters.occupancy_cycles += held;
+        self.counters.max_occupancy = self.counters.max_occupancy.max(held);
+    }
+
+    /// Whether a token is still on its way, so that time alone will change something.
+    pub fn in_flight(&self) -> bool {
+        (0..self.len).any(|i| self.ready[(self.head + i) & self.mask] > self.now)
+    }
+
+    /// Tokens held, those on their way included.
+    pub fn occupancy(&self) -> usize {
+        self.len
+    }
+
+    /// Tokens that fit.
+    pub fn capacity(&self) -> usize {
+        self.capacity
+    }
+
+    /// Cycles from push to pop.
+    pub fn latency(&self) -> u64 {
+        self.latency
+    }
+
+    /// The channel's name.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// The counters.
+    pub fn counters(&self) -> ChannelCounters {
+        self.counters
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::collections::VecDeque;
+
+    #[test]
+    fn a_token_arrives_after_its_latency_and_not_a_cycle_earlier() {
+        for latency in 1..5 {
+            let mut channel = Channel::new("c", 4, latency).unwrap();
+            channel.push(7).unwrap();
+            for _ in 0..latency {
+                assert_eq!(channel.front(), None);
+                channel.commit();
+            }
+            assert_eq!(channel.pop(), Some(7));
+        }
+    }
+
+    #[test]
+    fn a_full_channel_refuses_and_the_credit_comes_back_with_the_commit() {
+        let mut channel = Channel::new("c", 1, 1).unwrap();
+        channel.push(1).unwrap();
+        channel.commit();
+        assert_eq!(channel.push(2), Err(2));
+        assert_eq!(channel.pop(), Some(1));
+        assert_eq!(channel.push(2), Err(2), "the credit of this cycle's pop");
+        channel.commit();
+        channel.push(2).unwrap();
+    }
+
+    #[test]
+    fn one_push_and_one_pop_a_cycle() {
+        let mut channel = Channel::new("c", 4, 1).unwrap();
+        channel.push(1).unwrap();
+        assert_eq!(channel.push(2), Err(2));
+        channel.commit();
+        channel.push(2).unwrap();
+        channel.commit();
+        assert_eq!(channel.pop(), Some(1));
+        assert_eq!(channel.pop(), None);
+    }
+
+    #[test]
+    fn a_full_rate_needs_a_capacity_of_latency_and_one() {
+        for latency in 1..6 {
+            for capacity in 1..9 {
+                let mut channel = Channel::new("c", capacity, latency).unwrap();
+                for _ in 0..1000 {
+                    channel.pop();
+                    let _ = channel.push(0_u8);
+                    channel.commit();
+                }
+                let full = channel.counters().pushes == 1000;
+                assert_eq!(full, capacity > latency as usize, "latency {latency}, capacity {capacity}");
+            }
+        }
+    }
+
+    #[test]
+    fn impossible_channels_are_refused() {
+        assert!(matches!(Channel::<u8>::new("c", 0, 1), Err(ChannelError::Capacity { .. })));
+        assert!(matches!(Channel::<u8>::new("c", 1, 0), Err(ChannelError::Latency { .. })));
+    }
+
+    proptest! {
+        #[test]
+        fn a_channel_is_a_delayed_queue_that_counts(
+            capacity in 1_usize..6, latency in 1_u64..5, wishes in proptest::collection::vec((any::<bool>(), any::<bool>(), any::<bool>()), 1..200),
+        ) {
+            let mut channel = Channel::new("c", capacity, latency).unwrap();
+            let mut model: VecDeque<(u64, u32)> = VecDeque::new();
+            let mut next = 0;
+            for (now, (push, pop, push_first)) in wishes.into_iter().enumerate() {
+                let now = now as u64;
+                let held = model.len();
+                let may_push = held < capacity;
+                let expected = model.front().filter(|(ready, _)| pop && *ready <= now).map(|(_, token)| *token);
+                let mut popped = None;
+                if push_first && push {
+                    prop_assert_eq!(channel.push(next).is_ok(), may_push);
+                }
+                if pop {
+                    popped = channel.pop();
+                }
+                if !push_first && push {
+                    prop_assert_eq!(channel.push(next).is_ok(), may_push);
+                }
+                prop_assert_eq!(popped, expected);
+                if popped.is_some() {
+                    model.pop_front();
+                }
+                if push && may_push {
+                    model.push_back((now + latency, next));
+                    next += 1;
+                }
+                channel.commit();
+                let counters = channel.counters();
+                prop_assert_eq!(counters.pushes, counters.pops + channel.occupancy() as u64);
+                prop_assert_eq!(channel.occupancy(), model.len());
+            }
+        }
+    }
+}
