@@ -5,7 +5,13 @@ use std::str::FromStr;
 
 use crate::{Volume, VolumeError};
 
+mod blocks;
+mod engine;
+mod head;
+mod shepp_logan;
+mod signals;
 mod solid;
+mod sphere;
 
 /// A volume made by a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -75,7 +81,16 @@ impl Phantom {
     /// [`VolumeError::Grid`] when `size` is 0, [`VolumeError::TooLarge`] when the memory cannot be
     /// had, [`VolumeError::Parameter`] for a parameter outside its range.
     pub fn generate(&self, size: usize, params: &PhantomParams) -> Result<Volume, VolumeError> {
-        solid::sphere(size, params)
+        match self {
+            Phantom::Head => head::head(size),
+            Phantom::Sphere => sphere::sphere(size, params),
+            Phantom::MarschnerLobb => signals::marschner_lobb(size),
+            Phantom::SheppLogan => shepp_logan::shepp_logan(size),
+            Phantom::Shells => sphere::shells(size, params),
+            Phantom::Fog => signals::fog(size),
+            Phantom::Engine => engine::engine(size),
+            Phantom::Checker => signals::checker(size, params),
+        }
     }
 }
 
