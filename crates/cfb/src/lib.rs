@@ -1,1 +1,13 @@
-//! Cubic frame buffer: 3-D skewed memory modules
+//! Cubic frame buffer: n memory modules, skewed so that a beam along any axis meets each module once.
+//!
+//! ```text
+//!   registers ──► scan ──► module 0 … module n−1 ──► beam, a voxel a lane ──► fast bus
+//! ```
+//! Pfister et al. 1995, section 5.
+
+pub mod golden;
+mod lanes;
+mod unit;
+
+pub use lanes::{FrameBuffer, FrameBufferError};
+pub use unit::{Beam, CfbSpec, CfbUnit, Fetch, NoVoxels, VoxelBeam};

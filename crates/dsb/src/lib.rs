@@ -1,1 +1,15 @@
-//! Fast bus and 2-D skewed buffers
+//! Fast bus and 2-D skewed buffers: beams in, discrete rays out.
+//!
+//! ```text
+//!   [beams] ──► fast bus (rotation) ──► [aligned] ──► buffer i, i+1 │ i+2 being filled ──► [rays]
+//! ```
+//! The bus shears: it turns a beam so that each discrete ray stays in its slot. The buffers transpose:
+//! beams are written, rays are read, both without conflicts. Pfister et al. 1995, sections 2 and 5.
+
+pub mod bus;
+pub mod golden;
+mod lanes;
+mod unit;
+
+pub use lanes::{PlaneStore, Rotator};
+pub use unit::{DsbSpec, DsbUnit, NoPlanes, RayPair, RayVoxels, Store};

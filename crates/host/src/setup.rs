@@ -110,7 +110,7 @@ pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, pl
             format!("{} table entries", ((1 << words.table_gradient_bits) - 1) << words.table_bits),
         );
     }
-    let clips = clips(scene, &geometry, volume.spacing);
+    let clips = clips(scene, &geometry);
     if clips.is_empty() && plan {
         leave("cut planes and crop box", "the scene has none", "12 comparators a lane".into());
     }
@@ -264,16 +264,15 @@ fn canonical_plane(geometry: &Geometry, normal: [f64; 3], through: [f64; 3]) -> 
     (result, constant)
 }
 
-fn clips(scene: &Scene, geometry: &Geometry, spacing: [f64; 3]) -> Vec<HalfSpace> {
+fn clips(scene: &Scene, geometry: &Geometry) -> Vec<HalfSpace> {
     let half_space = |outward: [f64; 3], through: [f64; 3]| {
         let (normal, constant) = canonical_plane(geometry, outward.map(|x| -x), through);
         HalfSpace { distance: linear(geometry, normal, constant, HalfSpace::FRACTION_BITS) }
     };
     let mut clips = Vec::new();
     for cut in &scene.cuts {
-        let scaled = [0, 1, 2].map(|i| cut.normal[i] * spacing[i]);
-        let largest = scaled.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        clips.push(half_space(scaled.map(|x| x / largest), cut.through_voxel));
+        let largest = cut.normal.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        clips.push(half_space(cut.normal.map(|x| x / largest), cut.through_voxel));
     }
     if let Some(crop) = &scene.crop {
         for axis in 0..3 {

@@ -1,1 +1,13 @@
-//! Sheared trilinear interpolation
+//! Sheared trilinear interpolation: the samples of a continuous ray from four discrete rays.
+//!
+//! ```text
+//!   [rays] ──► four lerps along w ──► two along u ──► one along v ──► [samples]
+//!              (the ray before and the plane before may be kept)
+//! ```
+//! Pfister et al. 1995, section 3.
+
+pub mod golden;
+pub mod lanes;
+mod unit;
+
+pub use unit::{Interpolate, Interpolator, NoSamples, RaySamples, SampleRay, TrilinSpec, TrilinUnit};

@@ -1,4 +1,6 @@
-//! Running a loop over many lanes with the widest vectors that this processor has.
+//! Many lanes at once: the widest vectors that this processor has, and the lerp of whole rows.
+
+use crate::{Rounding, Shift};
 
 /// Runs `work` compiled for the processor's widest vector instructions (chosen once, at run time).
 ///
@@ -7,4 +9,106 @@
 #[inline(always)]
 pub fn vectorised<R>(work: impl FnOnce() -> R) -> R {
     pulp::Arch::new().dispatch(work)
+}
+
+/// [`lerp`](crate::lerp) of whole rows: weights of `fraction_bits`, one rounding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LerpLanes {
+    shift: Shift,
+    narrow: bool,
+}
+
+impl LerpLanes {
+    /// For operands whose difference has a magnitude below `2^operand_bits`.
+    pub fn new(operand_bits: u32, fraction_bits: u32, rounding: Rounding) -> LerpLanes {
+        LerpLanes { shift: rounding.by(fraction_bits), narrow: operand_bits + fraction_bits <= 30 }
+    }
+
+    #[inline(always)]
+    fn narrow(self, near: i32, far: i32, weight: i32) -> i32 {
+        near + self.shift.apply32((far - near) * weight)
+    }
+
+    #[inline(always)]
+    fn wide(self, near: i32, far: i32, weight: i32) -> i32 {
+        (i64::from(near) + self.shift.apply((i64::from(far) - i64::from(near)) * i64::from(weight))) as i32
+    }
+
+    /// [`lerp`](crate::lerp) of one lane.
+    #[inline(always)]
+    pub fn one(self, near: i32, far: i32, weight: u32) -> i32 {
+        if self.narrow { self.narrow(near, far, weight as i32) } else { self.wide(near, far, weight as i32) }
+    }
+
+    /// `out[i] = lerp(near[i], far[i], weight)`; a weight of 0 or 1 copies. All of `out` is written; `far` is not read
+    /// at weight 0, nor `near` at weight 1, and they may then be shorter.
+    #[inline(always)]
+    pub fn uniform(self, near: &[i32], far: &[i32], weight: u32, out: &mut [i32]) {
+        let n = out.len();
+        if weight == 0 {
+            out.copy_from_slice(&near[..n]);
+        } else if weight == 1 << self.shift.bits {
+            out.copy_from_slice(&far[..n]);
+        } else {
+            let (near, far, weight) = (&near[..n], &far[..n], weight as i32);
+            if self.narrow {
+                for i in 0..n {
+                    out[i] = self.narrow(near[i], far[i], weight);
+                }
+            } else {
+                for i in 0..n {
+                    out[i] = self.wide(near[i], far[i], weight);
+                }
+            }
+        }
+    }
+
+    /// `out[i] = lerp(near[i], far[i], weights[i])`.
+    #[inline(always)]
+    pub fn varying(self, near: &[i32], far: &[i32], weights: &[u32], out: &mut [i32]) {
+        let n = out.len();
+        let (near, far, weights) = (&near[..n], &far[..n], &weights[..n]);
+        if self.narrow {
+            for i in 0..n {
+                out[i] = self.narrow(near[i], far[i], weights[i] as i32);
+            }
+        } else {
+            for i in 0..n {
+                out[i] = self.wide(near[i], far[i], weights[i] as i32);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lerp;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn rows_are_lerped_as_single_words(
+            operand_bits in 1_u32..=24, fraction_bits in 0_u32..=12, truncate: bool, part in 0.0..=1.0_f64,
+            pairs in proptest::collection::vec((0.0..1.0_f64, 0.0..1.0_f64, 0.0..=1.0_f64), 0..40),
+        ) {
+            let rounding = if truncate { Rounding::Truncate } else { Rounding::Nearest };
+            let top = f64::from(1_u32 << operand_bits);
+            let one = f64::from(1_u32 << fraction_bits);
+            let near: Vec<i32> = pairs.iter().map(|pair| (pair.0 * top) as i32).collect();
+            let far: Vec<i32> = pairs.iter().map(|pair| (pair.1 * top) as i32).collect();
+            let weights: Vec<u32> = pairs.iter().map(|pair| (pair.2 * one).round() as u32).collect();
+            let lanes = LerpLanes::new(operand_bits, fraction_bits, rounding);
+            let mut out = vec![0; pairs.len()];
+            vectorised(|| lanes.varying(&near, &far, &weights, &mut out));
+            for i in 0..out.len() {
+                prop_assert_eq!(out[i], lerp(near[i], far[i], weights[i], fraction_bits, rounding));
+            }
+            let weight = (part * one).round() as u32;
+            vectorised(|| lanes.uniform(&near, &far, weight, &mut out));
+            for i in 0..out.len() {
+                prop_assert_eq!(out[i], lerp(near[i], far[i], weight, fraction_bits, rounding));
+            }
+        }
+    }
 }

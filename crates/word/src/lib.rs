@@ -16,6 +16,6 @@ mod rounding;
 mod unit;
 
 pub use formats::{WordError, Words};
-pub use lanes::vectorised;
+pub use lanes::{LerpLanes, vectorised};
 pub use rounding::{Rounding, Shift, lerp, saturate};
 pub use unit::{quantise_fraction, quantise_unit, unit_full, unit_mul, unit_resize};

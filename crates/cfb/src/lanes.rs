@@ -1,0 +1,168 @@
+//! The modules with their voxels, and the fetch of a whole beam.
+
+use crate::golden::{Skew, output_lane};
+use cube3_host::Axes;
+
+/// The cubic frame buffer with a volume in it.
+#[derive(Clone, Debug)]
+pub struct FrameBuffer {
+    skew: Skew,
+    dims: [usize; 3],
+    words_each: usize,
+    modules: Vec<u16>,
+}
+
+/// A frame buffer that cannot be built.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FrameBufferError {
+    /// A skew that leaves most of every module empty, on a large volume.
+    #[error(
+        "the frame buffer would take {bytes} bytes, above the limit of {limit}: the skew uses only every {depth}th module along x; \
+         choose one whose first coefficient shares no factor with the lanes, or a smaller volume"
+    )]
+    Memory {
+        /// Bytes that it would take.
+        bytes: u128,
+        /// Bytes that it may take.
+        limit: u128,
+        /// Words of a module for each row.
+        depth: usize,
+    },
+}
+
+impl FrameBuffer {
+    /// Most bytes of module memory.
+    pub const LIMIT_BYTES: u128 = 8 << 30;
+
+    /// Writes a volume (x fastest) into the modules.
+    ///
+    /// # Errors
+    /// A skew and volume that would take too much memory.
+    pub fn new(skew: Skew, dims: [usize; 3], voxels: &[u16]) -> Result<FrameBuffer, FrameBufferError> {
+        let words_each = skew.words(dims);
+        let bytes = 2 * words_each as u128 * skew.lanes as u128;
+        if bytes > Self::LIMIT_BYTES {
+            return Err(FrameBufferError::Memory { bytes, limit: Self::LIMIT_BYTES, depth: skew.depth() });
+        }
+        let mut buffer = FrameBuffer { skew, dims, words_each, modules: vec![0; words_each * skew.lanes] };
+        let mut voxel = voxels.iter();
+        for z in 0..dims[2] {
+            for y in 0..dims[1] {
+                for x in 0..dims[0] {
+                    let place = buffer.place([x, y, z]);
+                    buffer.modules[place] = voxel.next().copied().unwrap_or(0);
+                }
+            }
+        }
+        Ok(buffer)
+    }
+
+    fn place(&self, xyz: [usize; 3]) -> usize {
+        let module = self.skew.module(xyz.map(|i| i as i64));
+        module * self.words_each + self.skew.address(self.dims, xyz)
+    }
+
+    /// Reads the beam along u at row `v` and plane `w` into lane order: voxel u of the beam goes to
+    /// `u / lanes · lanes + (u + v + w) mod lanes`. Unused lanes are 0.
+    pub fn fetch(&self, axes: &Axes, v: usize, w: usize, beam: &mut Vec<u16>) {
+        let size = axes.permute(self.dims);
+        let lanes = self.skew.lanes;
+        beam.clear();
+        beam.resize(size[0].div_ceil(lanes) * lanes, 0);
+        for u in 0..size[0] {
+            let xyz = axes.voxel(size, [u, v, w]);
+            beam[u / lanes * lanes + output_lane(lanes, [u, v, w])] = self.modules[self.place(xyz)];
+        }
+    }
+
+    /// The dims of the volume.
+    pub fn dims(&self) -> [usize; 3] {
+        self.dims
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bitvec::prelude::*;
+    use proptest::prelude::*;
+
+    /// Serves voxels by modules as the hardware would: in each cycle a mask of modules that are taken.
+    fn served(skew: &Skew, start: [i64; 3], step: [i64; 3], count: usize) -> usize {
+        let mut waiting: Vec<usize> =
+            (0..count as i64).map(|i| skew.module([0, 1, 2].map(|a| start[a] + i * step[a]))).collect();
+        let mut cycles = 0;
+        while !waiting.is_empty() {
+            let mut taken = bitvec![0; skew.lanes];
+            waiting.retain(|&module| taken.replace(module, true));
+            cycles += 1;
+        }
+        cycles
+    }
+
+    #[test]
+    fn beams_along_every_axis_are_free_of_conflicts() {
+        for n in 1..20 {
+            let skew = Skew { coefficients: [1, 1, 1], lanes: n };
+            for axis in 0..3 {
+                let mut step = [0; 3];
+                step[axis] = 1;
+                assert_eq!(served(&skew, [3, 1, 4], step, n), 1);
+                assert_eq!(skew.beam_cycles(axis, n), 1);
+            }
+        }
+    }
+
+    #[test]
+    fn the_known_conflicts_along_the_diagonals() {
+        for n in [2, 4, 8, 16, 64] {
+            let skew = Skew { coefficients: [1, 1, 1], lanes: n };
+            assert_eq!(served(&skew, [0; 3], [1, -1, 0], n), n, "all in one module");
+            assert_eq!(served(&skew, [0; 3], [1, 1, 0], n), 2, "every second module");
+            assert_eq!((skew.cycles([1, -1, 0], n), skew.cycles([1, 1, 0], n)), (n, 2));
+        }
+        let odd = Skew { coefficients: [1, 1, 1], lanes: 9 };
+        assert_eq!(odd.cycles([1, 1, 0], 9), 1, "two and nine share no factor");
+    }
+
+    #[test]
+    fn without_a_skew_a_beam_along_x_is_serial() {
+        let skew = Skew { coefficients: [0, 1, 1], lanes: 8 };
+        assert_eq!((skew.beam_cycles(0, 8), skew.beam_cycles(1, 8)), (8, 1));
+    }
+
+    proptest! {
+        #[test]
+        fn cycles_are_those_of_the_fullest_module(
+            lanes in 1_usize..40, coefficients: [i8; 3], step: [i8; 3], start: [i8; 3], count in 1_usize..100,
+        ) {
+            let skew = Skew { coefficients: coefficients.map(i64::from), lanes };
+            let step = step.map(i64::from);
+            prop_assert_eq!(skew.cycles(step, count), served(&skew, start.map(i64::from), step, count));
+        }
+
+        #[test]
+        fn every_voxel_has_its_own_place_and_comes_back(
+            dims in [1_usize..8, 1_usize..8, 1_usize..8], lanes in 1_usize..10, coefficients in [-3_i64..4, -3_i64..4, -3_i64..4],
+            order in Just([0_usize, 1, 2]).prop_shuffle(), reversed: [bool; 3],
+        ) {
+            let voxels: Vec<u16> = (1..=dims.iter().product::<usize>() as u16).collect();
+            let skew = Skew { coefficients, lanes };
+            let buffer = FrameBuffer::new(skew, dims, &voxels).unwrap();
+            let axes = Axes { axis: order, reversed };
+            let size = axes.permute(dims);
+            let mut beam = Vec::new();
+            for w in 0..size[2] {
+                for v in 0..size[1] {
+                    buffer.fetch(&axes, v, w, &mut beam);
+                    for u in 0..size[0] {
+                        let xyz = axes.voxel(size, [u, v, w]);
+                        let lane = (u + v + w) % lanes;
+                        let expected = voxels[xyz[0] + dims[0] * (xyz[1] + dims[1] * xyz[2])];
+                        prop_assert_eq!(beam[u / lanes * lanes + lane], expected);
+                    }
+                }
+            }
+        }
+    }
+}

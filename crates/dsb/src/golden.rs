@@ -1,0 +1,47 @@
+//! Where one voxel goes: on the bus, and in a skewed buffer. The definition.
+
+use cube3_host::{Geometry, RaySlots};
+
+/// The slot of a plane that voxel `x` of a beam (its place along u) belongs to at a depth.
+///
+/// Wrapped: `(x − X(k)) mod n`. Padded: `x − X(k)` from the leftmost ray.
+pub fn slot(geometry: &Geometry, x: usize, depth: usize) -> usize {
+    let column = geometry.u.columns[depth] as usize;
+    match geometry.slots {
+        RaySlots::Wrapped => (x as i64 - column as i64).rem_euclid(geometry.size[0] as i64) as usize,
+        RaySlots::Padded => x + geometry.shear_u() - column,
+    }
+}
+
+/// The module of a skewed buffer that holds ray slot `j` at depth `k`: `(j + k) mod lanes`.
+///
+/// For one k, neighbouring j are in different modules (a beam is written); for one j, neighbouring k are (a ray
+/// is read).
+pub fn module(lanes: usize, j: usize, k: usize) -> usize {
+    (j + k) % lanes
+}
+
+/// Place of slot `j` in the lane order of an aligned beam at depth `k`: chunks of `lanes` slots, each by module.
+pub fn beam_lane(lanes: usize, j: usize, k: usize) -> usize {
+    j / lanes * lanes + module(lanes, j, k)
+}
+
+/// Place of depth `k` in the lane order of ray slot `j`: chunks of `lanes` depths, each by module.
+pub fn ray_lane(lanes: usize, j: usize, k: usize) -> usize {
+    k / lanes * lanes + module(lanes, j, k)
+}
+
+/// How far the bus turns the beam of `plane` at a depth, where a beam fills the lanes: from the frame buffer's lane
+/// `(u + v + w) mod n` to the skewed buffer's `(j + k) mod n`.
+///
+/// From a beam to the next of its plane it changes by 2 at most.
+pub fn rotation(geometry: &Geometry, plane: usize, depth: usize) -> usize {
+    let n = geometry.size[0];
+    let row = match geometry.slots {
+        RaySlots::Wrapped => (plane + geometry.v.columns[depth] as usize) % geometry.size[1],
+        RaySlots::Padded => plane + geometry.v.columns[depth] as usize - geometry.shear_v(),
+    };
+    let from = row + depth;
+    let to = slot(geometry, 0, depth) + depth;
+    (to + n * 8 - from % n) % n
+}

@@ -1,0 +1,169 @@
+//! A whole beam on the bus, and a whole ray out of a plane.
+
+use crate::golden::{beam_lane, slot};
+use cube3_cfb::golden::output_lane;
+use cube3_host::Geometry;
+
+/// Turns beams from the frame buffer's lane order into the skewed buffers'.
+#[derive(Clone, Copy, Debug)]
+pub struct Rotator {
+    /// Lanes of the machine.
+    pub lanes: usize,
+}
+
+impl Rotator {
+    /// Aligns a beam of row `v` at a depth. Slots without a voxel are 0.
+    pub fn align(&self, geometry: &Geometry, v: usize, depth: usize, beam: &[u16], aligned: &mut Vec<u16>) {
+        let [slots, _] = geometry.slot_counts();
+        aligned.clear();
+        aligned.resize(slots.div_ceil(self.lanes) * self.lanes, 0);
+        for x in 0..geometry.size[0] {
+            let from = x / self.lanes * self.lanes + output_lane(self.lanes, [x, v, depth]);
+            aligned[beam_lane(self.lanes, slot(geometry, x, depth), depth)] = beam[from];
+        }
+    }
+}
+
+/// The skewed buffers' planes of voxels: a ring, and one more that keeps the first plane.
+#[derive(Clone, Debug)]
+pub struct PlaneStore {
+    lanes: usize,
+    depths: usize,
+    width: usize,
+    ring: Vec<Vec<u16>>,
+    first: Vec<u16>,
+}
+
+impl PlaneStore {
+    /// `planes` buffers for a geometry, and one for the first plane where the last needs it again.
+    pub fn new(geometry: &Geometry, lanes: usize, planes: usize) -> PlaneStore {
+        let [slots, _] = geometry.slot_counts();
+        let depths = geometry.size[2];
+        let width = slots.div_ceil(lanes) * lanes;
+        let words = width * depths;
+        let first = if geometry.closes()[1] { vec![0; words] } else { Vec::new() };
+        PlaneStore { lanes, depths, width, ring: vec![vec![0; words]; planes], first }
+    }
+
+    /// Writes an aligned beam; none writes a row of zeros.
+    pub fn write(&mut self, plane: usize, depth: usize, beam: Option<&[u16]>) {
+        let range = depth * self.width..(depth + 1) * self.width;
+        let place = plane % self.ring.len();
+        match beam {
+            Some(beam) => self.ring[place][range.clone()].copy_from_slice(beam),
+            None => self.ring[place][range.clone()].fill(0),
+        }
+        if plane == 0 && !self.first.is_empty() {
+            let row = &self.ring[place][range.clone()];
+            self.first[range].copy_from_slice(row);
+        }
+    }
+
+    /// Reads ray slot `j` of a plane in lane order; `kept` reads the plane that was kept from the start. Unused
+    /// lanes are 0.
+    pub fn read(&self, plane: usize, kept: bool, j: usize, ray: &mut Vec<u16>) {
+        let buffer = if kept { &self.first } else { &self.ring[plane % self.ring.len()] };
+        ray.clear();
+        ray.resize(self.depths.div_ceil(self.lanes) * self.lanes, 0);
+        let chunk = j / self.lanes * self.lanes;
+        let mut module = j % self.lanes;
+        for k in 0..self.depths {
+            ray[k / self.lanes * self.lanes + module] = buffer[k * self.width + chunk + module];
+            module += 1;
+            if module == self.lanes {
+                module = 0;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::golden::{module, ray_lane, rotation};
+    use cube3_host::{Axes, Geometry, RaySlots, TemplateRule, largest_offset, slope_register};
+    use proptest::prelude::*;
+
+    fn geometry(size: [usize; 3], slopes: [f64; 2], padded: bool, reversed: [bool; 3]) -> Geometry {
+        let slots = if padded { RaySlots::Padded } else { RaySlots::Wrapped };
+        let rule = TemplateRule::SampleFloor;
+        let slopes = slopes.map(slope_register);
+        let offset = largest_offset(rule, slopes, 8).min(128);
+        Geometry::new(size, Axes { axis: [0, 1, 2], reversed }, slopes, offset, 8, rule, slots)
+    }
+
+    proptest! {
+        #[test]
+        fn beams_are_written_and_rays_read_without_conflict(lanes in 1_usize..20, fixed in 0_usize..100, chunk in 0_usize..4) {
+            let start = chunk * lanes;
+            let mut written: Vec<usize> = (start..start + lanes).map(|j| module(lanes, j, fixed)).collect();
+            let mut read: Vec<usize> = (start..start + lanes).map(|k| module(lanes, fixed, k)).collect();
+            written.sort_unstable();
+            read.sort_unstable();
+            let all: Vec<usize> = (0..lanes).collect();
+            prop_assert_eq!(&written, &all);
+            prop_assert_eq!(&read, &all);
+        }
+
+        #[test]
+        fn a_full_beam_is_turned_by_the_rotation_which_changes_by_two_at_most(
+            n in 1_usize..12, du in 0.0..=1.0_f64, dv in 0.0..=1.0_f64, plane in 0_usize..12, reversed: [bool; 3],
+        ) {
+            let geometry = geometry([n; 3], [du, dv], false, reversed);
+            let plane = plane % n;
+            let rotator = Rotator { lanes: n };
+            let mut aligned = Vec::new();
+            for k in 0..n {
+                let row = (plane + geometry.v.columns[k] as usize) % n;
+                let beam: Vec<u16> = (0..n as u16).collect();
+                rotator.align(&geometry, row, k, &beam, &mut aligned);
+                let turned = rotation(&geometry, plane, k);
+                for lane in 0..n {
+                    prop_assert_eq!(aligned[(lane + turned) % n], beam[lane]);
+                }
+                if k > 0 {
+                    let change = (rotation(&geometry, plane, k - 1) + n - turned) % n;
+                    prop_assert!(change <= 2 || n <= 2);
+                }
+            }
+        }
+
+        #[test]
+        fn each_ray_slot_comes_out_with_the_voxels_of_its_rays(
+            size in [1_usize..8, 1_usize..8, 1_usize..8], du in 0.0..=1.0_f64, dv in 0.0..=1.0_f64, padded: bool, lanes in 1_usize..10, reversed: [bool; 3],
+        ) {
+            let geometry = geometry(size, [du, dv], padded, reversed);
+            let [slots, planes] = geometry.slot_counts();
+            let rotator = Rotator { lanes };
+            let word = |x: usize, y: usize, k: usize| (1 + x + 10 * y + 100 * k) as u16;
+            let mut store = PlaneStore::new(&geometry, lanes, 2);
+            let (mut beam, mut aligned, mut ray) = (Vec::new(), Vec::new(), Vec::new());
+            for i in 0..planes {
+                for k in 0..size[2] {
+                    let v = geometry.ray_in_slot(i, 0, k).v;
+                    let row = geometry.row_at(v, k);
+                    if let Some(y) = row {
+                        beam.clear();
+                        beam.resize(size[0].div_ceil(lanes) * lanes, 0);
+                        for x in 0..size[0] {
+                            beam[x / lanes * lanes + output_lane(lanes, [x, y, k])] = word(x, y, k);
+                        }
+                        rotator.align(&geometry, y, k, &beam, &mut aligned);
+                    }
+                    store.write(i, k, row.map(|_| aligned.as_slice()));
+                }
+                for j in 0..slots {
+                    store.read(i, false, j, &mut ray);
+                    for k in 0..size[2] {
+                        let owner = geometry.ray_in_slot(i, j, k);
+                        let expected = match (geometry.column_at(owner.u, k), geometry.row_at(owner.v, k)) {
+                            (Some(x), Some(y)) => word(x, y, k),
+                            _ => 0,
+                        };
+                        prop_assert_eq!(ray[ray_lane(lanes, j, k)], expected);
+                    }
+                }
+            }
+        }
+    }
+}

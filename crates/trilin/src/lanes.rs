@@ -1,0 +1,163 @@
+//! The same lerps for whole rows and whole rays.
+//!
+//! A *row* is all rays of a plane at one depth: the weights are one number, and neighbours along u are
+//! neighbours in memory. A *ray* is all depths of one ray: the weights differ, and neighbours along w are
+//! neighbours in memory. Both give the golden bits.
+
+use cube3_word::{LerpLanes, Words, vectorised};
+
+/// The interpolator's lanes for a machine's words.
+#[derive(Clone, Copy, Debug)]
+pub struct TrilinLanes {
+    lerp: LerpLanes,
+    lift: u32,
+}
+
+impl TrilinLanes {
+    /// Lanes for `words`.
+    pub fn new(words: &Words) -> TrilinLanes {
+        let lerp = LerpLanes::new(words.sample_bits(), words.weight_bits, words.rounding);
+        TrilinLanes { lerp, lift: words.sample_fraction_bits }
+    }
+
+    /// A row of voxels in the sample format.
+    pub fn lift(&self, voxels: &[u16], out: &mut [i32]) {
+        let (voxels, lift) = (&voxels[..out.len()], self.lift);
+        vectorised(
+            #[inline(always)]
+            || {
+                for i in 0..out.len() {
+                    out[i] = i32::from(voxels[i]) << lift;
+                }
+            },
+        );
+    }
+
+    /// One edge of the cells of a row: voxels of the front and the back plane, lerped by the offset. `back` is not read at
+    /// offset 0.
+    pub fn row_along_w(&self, front: &[u16], back: &[u16], offset: u32, out: &mut [i32]) {
+        if offset == 0 {
+            return self.lift(front, out);
+        }
+        let (n, lift, lerp) = (out.len(), self.lift, self.lerp);
+        let (front, back) = (&front[..n], &back[..n]);
+        vectorised(
+            #[inline(always)]
+            || {
+                for i in 0..n {
+                    let near = i32::from(front[i]) << lift;
+                    let far = i32::from(back[i]) << lift;
+                    out[i] = lerp.one(near, far, offset);
+                }
+            },
+        );
+    }
+
+    /// A row lerped with another by one weight; the ends copy.
+    pub fn row(&self, near: &[i32], far: &[i32], weight: u32, out: &mut [i32]) {
+        let lerp = self.lerp;
+        vectorised(
+            #[inline(always)]
+            || lerp.uniform(near, far, weight, out),
+        );
+    }
+
+    /// The edge of the cells along a whole ray: `out[k] = lerp(ray[k], ray[k + 1], offset)`; the last is lerped with 0,
+    /// which no valid sample uses.
+    pub fn ray_along_w(&self, ray: &[i32], offset: u32, out: &mut [i32]) {
+        let n = out.len();
+        if n == 0 {
+            return;
+        }
+        let lerp = self.lerp;
+        vectorised(
+            #[inline(always)]
+            || lerp.uniform(&ray[..n - 1], &ray[1..n], offset, &mut out[..n - 1]),
+        );
+        out[n - 1] = lerp.one(ray[n - 1], 0, offset);
+    }
+
+    /// A ray lerped with another by the weights of its samples.
+    pub fn ray(&self, near: &[i32], far: &[i32], weights: &[u32], out: &mut [i32]) {
+        let lerp = self.lerp;
+        vectorised(
+            #[inline(always)]
+            || lerp.varying(near, far, weights, out),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::golden::{Weights, cell, lift};
+    use cube3_word::Rounding;
+    use proptest::prelude::*;
+
+    fn words(voxel_bits: u32, fraction: u32, weight_bits: u32, truncate: bool) -> Words {
+        let rounding = if truncate { Rounding::Truncate } else { Rounding::Nearest };
+        Words { voxel_bits, sample_fraction_bits: fraction, weight_bits, rounding, ..Words::default() }
+    }
+
+    #[test]
+    fn exhaustively_for_two_bit_voxels_and_weights() {
+        let words = words(2, 1, 1, false);
+        let lanes = TrilinLanes::new(&words);
+        for bits in 0_u32..1 << 16 {
+            let corner = |i: u32| (bits >> (2 * i) & 3) as u16;
+            let corners = [0, 1].map(|w| [0, 1].map(|v| [0, 1].map(|u| corner(4 * w + 2 * v + u))));
+            for weights in 0..27 {
+                let weights = Weights { w: weights % 3, u: weights / 3 % 3, v: weights / 9 };
+                let mut along_w = [[0; 2]; 2];
+                for v in 0..2 {
+                    lanes.row_along_w(&corners[0][v], &corners[1][v], weights.w, &mut along_w[v]);
+                }
+                let mut along_u = [[0; 1]; 2];
+                for v in 0..2 {
+                    lanes.row(&along_w[v][..1], &along_w[v][1..], weights.u, &mut along_u[v]);
+                }
+                let mut sample = [0];
+                lanes.row(&along_u[0], &along_u[1], weights.v, &mut sample);
+                let lifted = corners.map(|plane| plane.map(|row| row.map(|voxel| lift(voxel, &words))));
+                assert_eq!(sample[0], cell(lifted, weights, &words));
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn rows_and_rays_equal_golden(
+            voxel_bits in 1_u32..=16, fraction in 0_u32..=8, weight_bits in 0_u32..=12, truncate: bool,
+            seed in proptest::collection::vec(any::<u16>(), 4 * 12), weight_seed in proptest::collection::vec(0.0..=1.0_f64, 23),
+        ) {
+            let words = words(voxel_bits, fraction, weight_bits, truncate);
+            let lanes = TrilinLanes::new(&words);
+            let mask = ((1_u32 << voxel_bits) - 1) as u16;
+            let one = f64::from(1_u32 << weight_bits);
+            let weight = |i: usize| (weight_seed[i] * one).round() as u32;
+            let depth = 12;
+            let ray = |r: usize| -> Vec<i32> { seed[r * depth..(r + 1) * depth].iter().map(|&v| lift(v & mask, &words)).collect() };
+            let rays = [[ray(0), ray(1)], [ray(2), ray(3)]];
+            let offset = weight(0);
+            let weights_u: Vec<u32> = (0..depth - 1).map(|k| weight(1 + k)).collect();
+            let weights_v: Vec<u32> = (0..depth - 1).map(|k| weight(12 + k % 11)).collect();
+            let mut edges = vec![vec![vec![0; depth]; 2]; 2];
+            for v in 0..2 {
+                for u in 0..2 {
+                    lanes.ray_along_w(&rays[v][u], offset, &mut edges[v][u]);
+                }
+            }
+            let mut sides = vec![vec![0; depth - 1]; 2];
+            for v in 0..2 {
+                lanes.ray(&edges[v][0], &edges[v][1], &weights_u, &mut sides[v]);
+            }
+            let mut samples = vec![0; depth - 1];
+            lanes.ray(&sides[0], &sides[1], &weights_v, &mut samples);
+            for k in 0..depth - 1 {
+                let corners = [0, 1].map(|w| [0, 1].map(|v| [0, 1].map(|u: usize| rays[v][u][k + w])));
+                let weights = Weights { w: offset, u: weights_u[k], v: weights_v[k] };
+                prop_assert_eq!(samples[k], cell(corners, weights, &words));
+            }
+        }
+    }
+}

@@ -1,0 +1,351 @@
+//! The interpolators on their channels: a pair of discrete rays in, a ray of samples out.
+//!
+//! ```text
+//!   [rays] ──► ray j of planes i, i+1 ──► with ray j−1 ──► [samples] of ray j−1
+//! ```
+//! Ray j of a plane is finished by ray j+1. The last ray of a plane is finished by the first where slots are
+//! shared, which is kept for it, and by nothing where they are not; it leaves while the next plane begins.
+
+use crate::lanes::TrilinLanes;
+use bitvec::prelude::*;
+use cube3_channel::{Account, Activity, Channel};
+use cube3_dsb::golden::ray_lane;
+use cube3_dsb::{RayPair, RayVoxels};
+use cube3_host::{FrameSetup, Geometry, MachineSpec, Reuse};
+use serde::{Deserialize, Serialize};
+
+/// A slot of continuous rays.
+#[derive(Clone, Debug, Default)]
+pub struct SampleRay<D> {
+    /// Plane of ray slots.
+    pub plane: u32,
+    /// Ray slot.
+    pub slot: u32,
+    /// The samples.
+    pub data: D,
+}
+
+/// The samples of a ray slot, in lane order.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct RaySamples {
+    /// Sample words; 0 where there is none.
+    pub samples: Vec<i32>,
+    /// Which lanes hold a sample of the volume.
+    pub present: BitVec,
+}
+
+/// The interpolators' arithmetic, or nothing where only time counts.
+pub trait Interpolate {
+    /// What ray pairs carry.
+    type Input: Default;
+    /// What rays of samples carry.
+    type Output: Default;
+
+    /// Takes the next pair of a plane.
+    fn take(&mut self, setup: &FrameSetup, pair: &mut RayPair<Self::Input>);
+
+    /// Gives the samples of a slot, after the pair on its right has been taken, or after the last of the plane.
+    fn give(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut Self::Output);
+}
+
+/// Interpolators for timing alone.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoSamples;
+
+impl Interpolate for NoSamples {
+    type Input = ();
+    type Output = ();
+
+    #[inline(always)]
+    fn take(&mut self, _: &FrameSetup, _: &mut RayPair<()>) {}
+
+    #[inline(always)]
+    fn give(&mut self, _: &FrameSetup, _: usize, _: usize, _: &mut ()) {}
+}
+
+/// A discrete ray slot of one plane as an interpolator holds it, in order of depth.
+#[derive(Clone, Debug, Default)]
+struct Held {
+    /// Lifted voxels.
+    voxels: Vec<i32>,
+    /// Voxels lerped along w, where they are kept.
+    edges: Vec<i32>,
+}
+
+/// The interpolators with their registers.
+#[derive(Clone, Debug)]
+pub struct Interpolator {
+    lanes: usize,
+    arithmetic: TrilinLanes,
+    reuse: Reuse,
+    /// The first pair of the plane, the pair before, and the newest: current plane and the one below.
+    first: [Held; 2],
+    before: [Held; 2],
+    newest: [Held; 2],
+    /// Lerps along u of the plane below, for each slot: those of the current plane next time.
+    sides: Vec<Vec<i32>>,
+    lerps: u64,
+    scratch: [Vec<i32>; 3],
+}
+
+impl Interpolator {
+    /// Interpolators for a frame.
+    pub fn new(setup: &FrameSetup, lanes: usize) -> Interpolator {
+        let keeps_planes = matches!(setup.reuse, Reuse::Plane | Reuse::Both);
+        let [slots, _] = setup.geometry.slot_counts();
+        let empty = || [Held::default(), Held::default()];
+        Interpolator {
+            lanes,
+            arithmetic: TrilinLanes::new(&setup.words),
+            reuse: setup.reuse,
+            first: empty(),
+            before: empty(),
+            newest: empty(),
+            sides: vec![Vec::new(); if keeps_planes { slots } else { 0 }],
+            lerps: 0,
+            scratch: Default::default(),
+        }
+    }
+
+    /// Lerps of whole rays done so far.
+    pub fn ray_lerps(&self) -> u64 {
+        self.lerps
+    }
+
+    fn keeps_rays(&self) -> bool {
+        matches!(self.reuse, Reuse::Ray | Reuse::Both)
+    }
+
+    /// The edges of a held ray: kept, or lerped again.
+    fn edges(&mut self, held: &Held, offset: u32, out: &mut Vec<i32>) {
+        out.clear();
+        if self.keeps_rays() {
+            out.extend_from_slice(&held.edges);
+        } else {
+            out.resize(held.voxels.len(), 0);
+            self.arithmetic.ray_along_w(&held.voxels, offset, out);
+            self.lerps += 1;
+        }
+    }
+
+    /// The lerp along u of one plane (0 current, 1 below) between the ray before and the newest.
+    fn side(&mut self, setup: &FrameSetup, plane: usize, out: &mut Vec<i32>) {
+        let [mut left, mut right, rest] = std::mem::take(&mut self.scratch);
+        let (before, newest) = (std::mem::take(&mut self.before[plane]), std::mem::take(&mut self.newest[plane]));
+        self.edges(&before, setup.geometry.offset, &mut left);
+        self.edges(&newest, setup.geometry.offset, &mut right);
+        self.before[plane] = before;
+        self.newest[plane] = newest;
+        out.clear();
+        out.resize(left.len(), 0);
+        self.arithmetic.ray(&left, &right, &setup.geometry.u.weights, out);
+        self.lerps += 1;
+        self.scratch = [left, right, rest];
+    }
+}
+
+impl Interpolate for Interpolator {
+    type Input = RayVoxels;
+    type Output = RaySamples;
+
+    fn take(&mut self, setup: &FrameSetup, pair: &mut RayPair<RayVoxels>) {
+        let depths = setup.geometry.size[2];
+        std::mem::swap(&mut self.before, &mut self.newest);
+        let slot = pair.slot as usize;
+        let current_needed = !matches!(self.reuse, Reuse::Plane | Reuse::Both) || pair.plane == 0;
+        for (i, ray) in [&pair.data.current, &pair.data.below].into_iter().enumerate() {
+            let held = &mut self.newest[i];
+            held.voxels.clear();
+            held.voxels.extend(
+                (0..depths).map(|k| i32::from(ray[ray_lane(self.lanes, slot, k)]) << setup.words.sample_fraction_bits),
+            );
+            if matches!(self.reuse, Reuse::Ray | Reuse::Both) && (i == 1 || current_needed) {
+                held.edges.clear();
+                held.edges.resize(depths, 0);
+                self.arithmetic.ray_along_w(&held.voxels, setup.geometry.offset, &mut held.edges);
+                self.lerps += 1;
+            }
+        }
+        if slot == 0 {
+            self.first = self.newest.clone();
+        }
+    }
+
+    fn give(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut RaySamples) {
+        let geometry = &setup.geometry;
+        let [slots, _] = geometry.slot_counts();
+        if slot + 1 == slots {
+            let next = if geometry.closes()[0] {
+                self.first.clone()
+            } else {
+                let nothing = Held { voxels: vec![0; geometry.size[2]], edges: vec![0; geometry.size[2]] };
+                [nothing.clone(), nothing]
+            };
+            // The newest pair is the last of the plane: it becomes the one before.
+            self.before = std::mem::replace(&mut self.newest, next);
+        }
+        let (mut current, mut below) = (Vec::new(), Vec::new());
+        let keeps_planes = !self.sides.is_empty();
+        if keeps_planes && plane > 0 {
+            current = std::mem::take(&mut self.sides[slot]);
+        } else {
+            self.side(setup, 0, &mut current);
+        }
+        self.side(setup, 1, &mut below);
+        let mut samples = std::mem::take(&mut self.scratch[2]);
+        samples.clear();
+        samples.resize(geometry.size[2], 0);
+        self.arithmetic.ray(&current, &below, &geometry.v.weights, &mut samples);
+        self.lerps += 1;
+        if keeps_planes {
+            self.sides[slot] = below;
+        }
+        self.place(geometry, plane, slot, &samples, output);
+        self.scratch[2] = samples;
+    }
+}
+
+impl Interpolator {
+    /// Puts samples into lane order, with a mask of those that lie in the volume.
+    fn place(&self, geometry: &Geometry, plane: usize, slot: usize, samples: &[i32], output: &mut RaySamples) {
+        let width = samples.len().div_ceil(self.lanes) * self.lanes;
+        output.samples.clear();
+        output.samples.resize(width, 0);
+        output.present.clear();
+        output.present.resize(width, false);
+        for (k, &sample) in samples.iter().enumerate() {
+            if geometry.has_sample(geometry.ray_in_slot(plane, slot, k), k as i64) {
+                let lane = ray_lane(self.lanes, slot, k);
+                output.samples[lane] = sample;
+                output.present.set(lane, true);
+            }
+        }
+    }
+}
+
+/// Data sheet of the interpolators for one frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TrilinSpec {
+    /// Cycles of a ray: ⌈n_w / lanes⌉.
+    pub ray_cycles: u64,
+    /// Ray slots of a plane.
+    pub slots: u32,
+    /// Planes of the frame.
+    pub planes: u32,
+}
+
+impl TrilinSpec {
+    /// The data sheet for a machine and the geometry of a frame.
+    pub fn new(machine: &MachineSpec, geometry: &Geometry) -> TrilinSpec {
+        let [slots, planes] = geometry.slot_counts();
+        let ray_cycles = geometry.size[2].div_ceil(machine.lanes) as u64;
+        TrilinSpec { ray_cycles, slots: slots as u32, planes: planes as u32 }
+    }
+}
+
+/// The interpolation unit.
+#[derive(Clone, Debug)]
+pub struct TrilinUnit<I> {
+    spec: TrilinSpec,
+    arithmetic: I,
+    state: State,
+    account: Account,
+}
+
+/// Where the unit is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct State {
+    /// Cycles spent on the pair at the input.
+    spent: u64,
+    /// A plane whose last ray has been taken and not given.
+    closing: Option<u32>,
+    given: u64,
+}
+
+impl<I: Interpolate> TrilinUnit<I> {
+    /// The unit's name.
+    pub const NAME: &'static str = "trilin";
+
+    /// Interpolators at the start of a frame.
+    pub fn new(spec: TrilinSpec, arithmetic: I) -> TrilinUnit<I> {
+        TrilinUnit { spec, arithmetic, state: State::default(), account: Account::default() }
+    }
+
+    /// One cycle.
+    #[inline]
+    pub fn tick(
+        &mut self,
+        setup: &FrameSetup,
+        rays: &mut Channel<RayPair<I::Input>>,
+        samples: &mut Channel<SampleRay<I::Output>>,
+    ) {
+        let activity = self.step(setup, rays, samples);
+        self.account.record(activity);
+    }
+
+    #[inline]
+    fn step(
+        &mut self,
+        setup: &FrameSetup,
+        rays: &mut Channel<RayPair<I::Input>>,
+        samples: &mut Channel<SampleRay<I::Output>>,
+    ) -> Activity {
+        let mut activity = Activity::Starved;
+        if let Some(plane) = self.state.closing {
+            let Some(output) = samples.push_slot() else {
+                return Activity::Blocked;
+            };
+            self.state.closing = None;
+            Self::give(&mut self.arithmetic, setup, plane, self.spec.slots - 1, output);
+            self.state.given += 1;
+            activity = Activity::Busy;
+        }
+        let Some(pair) = rays.front() else {
+            return activity;
+        };
+        if self.state.spent + 1 < self.spec.ray_cycles {
+            self.state.spent += 1;
+            return Activity::Busy;
+        }
+        let (plane, slot) = (pair.plane, pair.slot);
+        if slot > 0 && !samples.can_push() {
+            return Activity::Blocked;
+        }
+        if let Some(pair) = rays.pop_slot() {
+            self.arithmetic.take(setup, pair);
+        }
+        self.state.spent = 0;
+        if slot > 0
+            && let Some(output) = samples.push_slot()
+        {
+            Self::give(&mut self.arithmetic, setup, plane, slot - 1, output);
+            self.state.given += 1;
+        }
+        if slot + 1 == self.spec.slots {
+            self.state.closing = Some(plane);
+        }
+        Activity::Busy
+    }
+
+    #[inline]
+    fn give(arithmetic: &mut I, setup: &FrameSetup, plane: u32, slot: u32, output: &mut SampleRay<I::Output>) {
+        output.plane = plane;
+        output.slot = slot;
+        arithmetic.give(setup, plane as usize, slot as usize, &mut output.data);
+    }
+
+    /// Whether every ray of the frame has been given.
+    pub fn done(&self) -> bool {
+        self.state.given == u64::from(self.spec.slots) * u64::from(self.spec.planes)
+    }
+
+    /// The arithmetic, to ask what it counted.
+    pub fn arithmetic(&self) -> &I {
+        &self.arithmetic
+    }
+
+    /// What the unit did with its cycles.
+    pub fn account(&self) -> &Account {
+        &self.account
+    }
+}
