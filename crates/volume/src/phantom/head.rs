@@ -73,7 +73,7 @@ struct Head {
     septum: Solid,
     eyes: Solid,
     lenses: Solid,
-    /// How far from a surface the distances are right.
+    /// Whether there is air only.
     empty: bool,
 }
 
@@ -97,10 +97,11 @@ impl Head {
 
     /// What is needed within `radius` of `centre`.
     fn near(&self, centre: DVec3, radius: f64) -> Head {
-        const REACH_MM: f64 = 16.0;
-        let near = |solid: &Solid| solid.near(centre, radius, REACH_MM);
+        // Braincase: scalp outside, wall and fluid inside. Others: the change from hard to spongy bone.
+        let around = |solid: &Solid| solid.near(centre, radius, 14.0);
+        let near = |solid: &Solid| solid.near(centre, radius, 7.0);
         let mut head = Head {
-            braincase: near(&self.braincase),
+            braincase: around(&self.braincase),
             openings: near(&self.openings),
             face: near(&self.face),
             mandible: near(&self.mandible),
@@ -337,4 +338,30 @@ fn lenses() -> Solid {
     let mut s = Solid::default();
     s.add(0.0, Body::ellipsoid([32.0, -80.0, 9.0], [4.5, 2.2, 4.5]));
     s
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a block leaves out cannot be seen in it.
+    #[test]
+    fn blocks_leave_no_seams() {
+        let whole = Head::new();
+        for size in [48, 100] {
+            let (mm, middle) = (CUBE_MM / size as f64, (size as f64 - 1.0) / 2.0);
+            let head = head(size).unwrap();
+            for z in 0..size {
+                for y in 0..size {
+                    for x in 0..size {
+                        let p = (DVec3::new(x as f64, y as f64, z as f64) - middle) * mm;
+                        let p = DVec3::new(p.x.abs(), p.y, p.z);
+                        let density = whole.density(p, RAMP_VOXELS * mm);
+                        let error = (head.value(x, y, z) - density).abs();
+                        assert!(error <= 0.5 + 1e-9, "{error} at {p} mm, {size} voxels");
+                    }
+                }
+            }
+        }
+    }
 }
