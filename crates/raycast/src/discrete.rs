@@ -1,0 +1,183 @@
+//! The casters on the base plane: the machine's rays and samples in reals.
+
+use crate::check::{check_geometry, check_volume};
+use crate::gradient::Estimator;
+use crate::integrate::{Integrator, Probe, Ray, StepWeights};
+use crate::progress::RowCount;
+use crate::sample_plane::{SampleWindow, Sampler};
+use crate::voxels::Voxels;
+use crate::{BaseRendering, Interpolation, Progress, RaycastError};
+use cube3_host::{DiscreteRay, Geometry, GradientMethod, step_length};
+use cube3_scene::{ResolvedLight, Scene, resolve_lights};
+use cube3_volume::{Sample, Volume, with_samples};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Rows of the base plane that one task does: two more planes of samples are taken for them.
+const ROWS_IN_A_TASK: usize = 16;
+
+/// What a caster on the base plane may be told beside scene and geometry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DiscreteOptions {
+    /// The gradient estimator.
+    pub gradient: GradientMethod,
+    /// Value of the samples beyond the volume, for gradients: what the machine's voxel word 0 stands for.
+    pub border: f64,
+}
+
+impl Default for DiscreteOptions {
+    /// The paper's choice, 12 neighbours, and 0.
+    fn default() -> Self {
+        DiscreteOptions { gradient: GradientMethod::Twelve, border: 0.0 }
+    }
+}
+
+/// True3D: the machine's rays and samples, each interpolated in its exact 8-neighbourhood.
+///
+/// # Errors
+/// A scene with a value out of range, a volume that is no grid of finite values, a geometry of another
+/// volume, a border that is not finite.
+pub fn true_3d(
+    volume: &Volume,
+    scene: &Scene,
+    geometry: &Geometry,
+    options: &DiscreteOptions,
+    progress: Option<Progress<'_>>,
+) -> Result<BaseRendering, RaycastError> {
+    discrete(volume, scene, geometry, Interpolation::Exact, options, progress)
+}
+
+/// Sheared3D: the machine's rays and samples, each interpolated in its sheared cell.
+///
+/// # Errors
+/// As [`true_3d`].
+pub fn sheared(
+    volume: &Volume,
+    scene: &Scene,
+    geometry: &Geometry,
+    options: &DiscreteOptions,
+    progress: Option<Progress<'_>>,
+) -> Result<BaseRendering, RaycastError> {
+    discrete(volume, scene, geometry, Interpolation::Sheared, options, progress)
+}
+
+/// Either of the two. The image size of the scene plays no part: the base plane is the geometry's.
+///
+/// # Errors
+/// As [`true_3d`].
+pub fn discrete(
+    volume: &Volume,
+    scene: &Scene,
+    geometry: &Geometry,
+    interpolation: Interpolation,
+    options: &DiscreteOptions,
+    progress: Option<Progress<'_>>,
+) -> Result<BaseRendering, RaycastError> {
+    scene.validate()?;
+    check_volume(volume, options.border)?;
+    check_geometry(volume, geometry)?;
+    let view = scene.view.frame()?;
+    let estimator = Estimator::new(geometry, volume.spacing, options.gradient);
+    let in_frame = |vector: DVec3| DVec3::from(estimator.basis.components(&geometry.axes, vector));
+    let lights: Vec<ResolvedLight> = resolve_lights(scene, &view)
+        .into_iter()
+        .map(|light| ResolvedLight {
+            direction: in_frame(light.direction),
+            halfway: in_frame(light.halfway),
+            colour: light.colour,
+        })
+        .collect();
+    let weights = StepWeights {
+        length: step_length(geometry, volume.spacing),
+        sum: 1.0 / geometry.size[2] as f64,
+        stop_below: 0.0,
+    };
+    let integrator = Integrator::new(scene, volume, &view, &lights, weights);
+    let neighbours = Integrator::reads_gradients(scene);
+    let rows = RowCount::new(progress);
+    let caster = Caster { geometry, estimator: &estimator, integrator, neighbours, rows: &rows };
+    let pixels = with_samples!(&volume.samples, v => {
+        let voxels = Voxels::new(v, volume.dims, geometry);
+        caster.cast(&Sampler::new(geometry, voxels, interpolation, options.border))
+    });
+    let [width, height] = geometry.base_plane_size();
+    Ok(BaseRendering { width, height, pixels, samples: geometry.sample_count() })
+}
+
+struct Caster<'a> {
+    geometry: &'a Geometry,
+    estimator: &'a Estimator,
+    integrator: Integrator<'a>,
+    /// Whether gradients are read.
+    neighbours: bool,
+    rows: &'a RowCount<'a>,
+}
+
+impl Caster<'_> {
+    fn cast<S: Sample>(&self, sampler: &Sampler<'_, S>) -> Vec<[f64; 4]> {
+        let [width, height] = self.geometry.base_plane_size();
+        let mut pixels = vec![[0.0; 4]; width * height];
+        pixels.par_chunks_mut(width * ROWS_IN_A_TASK).enumerate().for_each(|(task, pixels)| {
+            let first = (task * ROWS_IN_A_TASK) as i64 - self.geometry.shear_v() as i64;
+            let mut window = sampler.window(first, self.neighbours);
+            let mut integrator = self.integrator.clone();
+            for (i, row) in pixels.chunks_mut(width).enumerate() {
+                match (i, self.neighbours) {
+                    (0, _) => {}
+                    (_, true) => window.advance_with_neighbours(),
+                    (_, false) => window.advance(),
+                }
+                self.cast_row(&mut integrator, &window, row);
+                self.rows.row_done();
+            }
+        });
+        pixels
+    }
+
+    /// All rays of a row step by step together, in the order in which their samples lie in memory.
+    fn cast_row<S: Sample>(&self, integrator: &mut Integrator<'_>, window: &SampleWindow<'_, S>, row: &mut [[f64; 4]]) {
+        let shear = self.geometry.shear_u() as i64;
+        let mut rays = vec![Ray::START; row.len()];
+        for k in 0..self.geometry.size[2] {
+            for u in self.geometry.valid_columns(window.v, k) {
+                let column = (u + shear) as usize;
+                let ray = &mut rays[column];
+                if !ray.done {
+                    integrator.add(ray, k, window.sample(column, k), &self.probe(window, column, k));
+                }
+            }
+        }
+        for (column, (pixel, ray)) in row.iter_mut().zip(&rays).enumerate() {
+            *pixel = integrator.finish(ray, |k| self.probe(window, column, k));
+        }
+    }
+
+    fn probe<'b, S: Sample>(
+        &'b self,
+        window: &'b SampleWindow<'b, S>,
+        column: usize,
+        k: usize,
+    ) -> DiscreteSample<'b, S> {
+        DiscreteSample { geometry: self.geometry, estimator: self.estimator, window, column, k }
+    }
+}
+
+/// Sample `k` of the ray at pixel `column`.
+struct DiscreteSample<'a, S> {
+    geometry: &'a Geometry,
+    estimator: &'a Estimator,
+    window: &'a SampleWindow<'a, S>,
+    column: usize,
+    k: usize,
+}
+
+impl<S: Sample> Probe for DiscreteSample<'_, S> {
+    fn position(&self) -> [f64; 3] {
+        let ray = DiscreteRay { u: self.column as i64 - self.geometry.shear_u() as i64, v: self.window.v };
+        self.geometry.axes.voxel_position(self.geometry.size, self.geometry.sample_position(ray, self.k))
+    }
+
+    fn gradient(&self) -> [f64; 3] {
+        self.estimator.gradient(|by| self.window.neighbour(self.column, self.k, by))
+    }
+}

@@ -1,0 +1,273 @@
+//! Image-order ray casting: rays from the picture's pixels, uniform steps, exact interpolation.
+
+use crate::check::check_volume;
+use crate::integrate::{Integrator, Probe, Ray, StepWeights};
+use crate::interpolate::cell;
+use crate::progress::RowCount;
+use crate::{Progress, RaycastError};
+use cube3_host::{Geometry, ImagePlane, RaySlots, TemplateRule, canonical, over, slope_register, step_length};
+use cube3_scene::{Scene, resolve_lights};
+use cube3_volume::{Sample, Volume, with_samples};
+use rayon::prelude::*;
+
+/// Transmittance below which [`ImageOrderOptions::early_termination`] stops a ray: no channel of the pixel is then
+/// off by more, which is less than a sixteenth of the last bit of a 16-bit picture.
+const TERMINATION: f64 = 1.0 / (1 << 20) as f64;
+
+/// Most steps through the volume's diagonal.
+const MOST_STEPS: f64 = 1e8;
+
+/// A direction's component below this is none: over any ray it moves by less than rounding does.
+const PARALLEL: f64 = 1e-12;
+
+/// How far outside of a face, in voxels, a ray along it still counts as in it; and the part of a step by which the last
+/// sample may lie behind the far face. Both absorb rounding; samples are taken on the face.
+const ON_FACE: f64 = 1e-9;
+
+/// How rays are sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImageOrderOptions {
+    /// Distance between samples, in units of the smallest voxel spacing, above 0.
+    pub step_voxel: f64,
+    /// Stops rays of which less than 2⁻²⁰ would still be seen. Without it they stop only where nothing can
+    /// change a bit of the pixel.
+    pub early_termination: bool,
+    /// Value of the voxels beyond the volume, for gradients at its border.
+    pub border: f64,
+}
+
+impl Default for ImageOrderOptions {
+    /// A step of one voxel, every sample, border 0.
+    fn default() -> Self {
+        ImageOrderOptions { step_voxel: 1.0, early_termination: false, border: 0.0 }
+    }
+}
+
+/// A picture over its background.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rendering {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Red, green, blue, row-major from the top left.
+    pub pixels: Vec<[f64; 3]>,
+    /// Samples taken along the rays; those for gradients not counted.
+    pub samples: u64,
+}
+
+/// VolRen: casts a ray for every pixel of the picture.
+///
+/// A ray runs through the box of the voxel centres, [0, n−1] along each axis. Its first sample is where it
+/// enters, the others follow at equal steps, up to and including the face where it leaves. Each sample stands for one whole step.
+/// Interpolation is trilinear; a gradient's component is the central difference of the values one voxel to
+/// either side, over the voxels' distance in the world.
+///
+/// # Errors
+/// A scene with a value out of range, a volume that is no grid of finite values, an option out of range.
+pub fn image_order(
+    volume: &Volume,
+    scene: &Scene,
+    options: &ImageOrderOptions,
+    progress: Option<Progress<'_>>,
+) -> Result<Rendering, RaycastError> {
+    scene.validate()?;
+    check_volume(volume, options.border)?;
+    let smallest = volume.spacing.iter().copied().fold(f64::INFINITY, f64::min);
+    let diagonal: f64 = (0..3).map(|i| volume.dims[i] as f64 * volume.spacing[i] / smallest).sum();
+    if !(options.step_voxel > 0.0 && options.step_voxel.is_finite() && diagonal / options.step_voxel <= MOST_STEPS) {
+        return Err(RaycastError::Option {
+            name: "step_voxel",
+            value: options.step_voxel,
+            reason: "no step",
+            right: "give a number above 0 that divides the volume's diagonal into at most 10^8 steps",
+        });
+    }
+    let view = scene.view.frame()?;
+    let lights = resolve_lights(scene, &view);
+    let plane = ImagePlane::new(&scene.image, &view, volume.dims, volume.spacing);
+    let (machine_step, depth) = machine_step(volume, view.direction);
+    let weights = StepWeights {
+        length: options.step_voxel,
+        sum: options.step_voxel / machine_step / depth as f64,
+        stop_below: if options.early_termination { TERMINATION } else { 0.0 },
+    };
+    let integrator = Integrator::new(scene, volume, &view, &lights, weights);
+    let per_voxel = volume.spacing.map(|s| s / smallest);
+    let rows = RowCount::new(progress);
+    let mut pixels = vec![[0.0; 3]; plane.width * plane.height];
+    let samples = with_samples!(&volume.samples, v => {
+        let grid = Grid { samples: v, dims: volume.dims, border: options.border, per_voxel };
+        let cast = |(row, pixels): (usize, &mut [[f64; 3]])| {
+            let mut integrator = integrator.clone();
+            let mut samples = 0;
+            for (column, pixel) in pixels.iter_mut().enumerate() {
+                let point = plane.point(column as f64, row as f64);
+                let line = Line {
+                    origin: [0, 1, 2].map(|i| point[i] / volume.spacing[i]),
+                    direction: [0, 1, 2].map(|i| view.direction[i] / per_voxel[i]),
+                };
+                let (premultiplied, taken) = cast_ray(&mut integrator, &grid, &line, options.step_voxel);
+                *pixel = over(premultiplied, scene.background);
+                samples += taken;
+            }
+            rows.row_done();
+            samples
+        };
+        pixels.par_chunks_mut(plane.width).enumerate().map(cast).sum()
+    });
+    Ok(Rendering { width: plane.width, height: plane.height, pixels, samples })
+}
+
+/// The step of a base-plane ray of this view and the number of planes along its major axis: what a weighted sum is
+/// relative to.
+fn machine_step(volume: &Volume, direction: glam::DVec3) -> (f64, usize) {
+    let view = canonical(direction, volume.spacing);
+    let depth = view.axes.permute(volume.dims)[2];
+    // Only axes and slopes matter to the length; one plane saves the templates.
+    let geometry = Geometry::new(
+        [1; 3],
+        view.axes,
+        view.slopes.map(slope_register),
+        0,
+        1,
+        TemplateRule::PlaneFloor,
+        RaySlots::Padded,
+    );
+    (step_length(&geometry, volume.spacing), depth)
+}
+
+/// A ray in voxels; its parameter counts the smallest voxel spacing.
+#[derive(Clone, Copy)]
+struct Line {
+    origin: [f64; 3],
+    direction: [f64; 3],
+}
+
+impl Line {
+    /// Parameters at which the ray enters and leaves the box [0, n−1].
+    fn clip(&self, dims: [usize; 3]) -> Option<[f64; 2]> {
+        let mut range = [f64::NEG_INFINITY, f64::INFINITY];
+        for i in 0..3 {
+            let last = (dims[i] - 1) as f64;
+            let (origin, direction) = (self.origin[i], self.direction[i]);
+            if direction.abs() < PARALLEL {
+                if origin < -ON_FACE || origin > last + ON_FACE {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = ((0.0 - origin) / direction, (last - origin) / direction);
+            range = [range[0].max(a.min(b)), range[1].min(a.max(b))];
+        }
+        (range[0] <= range[1]).then_some(range)
+    }
+
+    /// The point at a parameter, held to the box.
+    #[inline(always)]
+    fn at(&self, parameter: f64, dims: [usize; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|i| (self.origin[i] + self.direction[i] * parameter).clamp(0.0, (dims[i] - 1) as f64))
+    }
+}
+
+/// The pixel of a ray, opacity-weighted, and how many samples it took.
+fn cast_ray<S: Sample>(integrator: &mut Integrator<'_>, grid: &Grid<'_, S>, line: &Line, step: f64) -> ([f64; 4], u64) {
+    let Some([enter, leave]) = line.clip(grid.dims) else {
+        return ([0.0; 4], 0);
+    };
+    let count = ((leave - enter) / step + ON_FACE).floor() as usize + 1;
+    let probe = |index: usize| {
+        let cell = grid.cell(line.at(enter + index as f64 * step, grid.dims));
+        PlacedSample { grid, cell }
+    };
+    let mut ray = Ray::START;
+    let mut taken = 0;
+    for index in 0..count {
+        let sample = probe(index);
+        integrator.add(&mut ray, index, grid.value(sample.cell), &sample);
+        taken += 1;
+        if ray.done {
+            break;
+        }
+    }
+    (integrator.finish(&ray, probe), taken)
+}
+
+/// The volume as the rays see it: `border` beyond its voxels.
+struct Grid<'a, S> {
+    samples: &'a [S],
+    dims: [usize; 3],
+    border: f64,
+    /// The spacing in units of the smallest.
+    per_voxel: [f64; 3],
+}
+
+/// A cell of eight voxels, by its corner of the smallest coordinates, and the place in it.
+#[derive(Clone, Copy)]
+struct Cell {
+    corner: [isize; 3],
+    weights: [f64; 3],
+}
+
+impl<S: Sample> Grid<'_, S> {
+    /// The cell around a position in the box; the last face belongs to the last cell.
+    #[inline(always)]
+    fn cell(&self, position: [f64; 3]) -> Cell {
+        let corner = [0, 1, 2].map(|i| (position[i] as isize).min(self.dims[i].saturating_sub(2) as isize));
+        Cell { corner, weights: [0, 1, 2].map(|i| position[i] - corner[i] as f64) }
+    }
+
+    /// The interpolated value.
+    #[inline(always)]
+    fn value(&self, at: Cell) -> f64 {
+        let [x, y, z] = at.corner;
+        let inside = |i: isize, n: usize| i >= 0 && (i as usize) + 1 < n;
+        if !(inside(x, self.dims[0]) && inside(y, self.dims[1]) && inside(z, self.dims[2])) {
+            return self.value_at_border(at);
+        }
+        let (row, slice) = (self.dims[0], self.dims[0] * self.dims[1]);
+        let first = (z as usize * self.dims[1] + y as usize) * self.dims[0] + x as usize;
+        let voxels = &self.samples[first..first + slice + row + 2];
+        let corners = [0, slice].map(|z| [0, row].map(|y| [0, 1].map(|x| voxels[z + y + x].into())));
+        cell(corners, at.weights)
+    }
+
+    #[cold]
+    fn value_at_border(&self, at: Cell) -> f64 {
+        let corners = [0, 1].map(|z| [0, 1].map(|y| [0, 1].map(|x| self.voxel(at.corner, [x, y, z]))));
+        cell(corners, at.weights)
+    }
+
+    fn voxel(&self, corner: [isize; 3], by: [isize; 3]) -> f64 {
+        let at = [0, 1, 2].map(|i| corner[i] + by[i]);
+        if (0..3).any(|i| at[i] < 0 || at[i] as usize >= self.dims[i]) {
+            return self.border;
+        }
+        let [x, y, z] = at.map(|i| i as usize);
+        self.samples[(z * self.dims[1] + y) * self.dims[0] + x].into()
+    }
+}
+
+/// A sample with its cell.
+struct PlacedSample<'a, S> {
+    grid: &'a Grid<'a, S>,
+    cell: Cell,
+}
+
+impl<S: Sample> Probe for PlacedSample<'_, S> {
+    fn position(&self) -> [f64; 3] {
+        [0, 1, 2].map(|i| self.cell.corner[i] as f64 + self.cell.weights[i])
+    }
+
+    /// Central differences: the same place in the cells one voxel to either side.
+    fn gradient(&self) -> [f64; 3] {
+        [0, 1, 2].map(|i| {
+            let beside = |by: isize| {
+                let mut cell = self.cell;
+                cell.corner[i] += by;
+                self.grid.value(cell)
+            };
+            (beside(1) - beside(-1)) * 0.5 / self.grid.per_voxel[i]
+        })
+    }
+}
