@@ -185,8 +185,10 @@ pub enum Samples {
 /// ```
 #[macro_export]
 macro_rules! with_samples {
-    ($samples:expr, $vector:ident => $body:expr) => {
-        match $samples {
+    ($samples:expr, $vector:ident => $body:expr) => {{
+        // Of the eight types, one is f64 already.
+        #[allow(clippy::useless_conversion, clippy::let_and_return)]
+        let outcome = match $samples {
             $crate::Samples::U8($vector) => $body,
             $crate::Samples::I8($vector) => $body,
             $crate::Samples::U16($vector) => $body,
@@ -195,8 +197,9 @@ macro_rules! with_samples {
             $crate::Samples::I32($vector) => $body,
             $crate::Samples::F32($vector) => $body,
             $crate::Samples::F64($vector) => $body,
-        }
-    };
+        };
+        outcome
+    }};
 }
 
 impl Samples {

@@ -17,6 +17,9 @@ fn metaimage(header: &str, data: &[u8]) -> Result<Volume, VolumeError> {
     read_bytes(&bytes, Some(Format::MetaImage), "t.mha", &ReadOptions::default())
 }
 
+/// Fields with their values.
+type Changes = &'static [(&'static str, &'static str)];
+
 /// Replaces the fields of a good NRRD header: `""` leaves one out.
 fn nrrd_with(changes: &[(&str, &str)]) -> String {
     let mut fields = vec![
@@ -52,7 +55,7 @@ fn the_good_header_is_good() {
 #[test]
 fn nrrd_fields_that_cannot_be() {
     let data = [0; 64];
-    let cases: [(&[(&str, &str)], &[&str]); 23] = [
+    let cases: [(Changes, &[&str]); 23] = [
         (&[("type", "")], &["'type' is missing", "add a line"]),
         (&[("sizes", "")], &["'sizes' is missing"]),
         (&[("encoding", "")], &["'encoding' is missing"]),

@@ -2,7 +2,7 @@
 //!
 //! A distance is negative inside. For ellipsoids it is the usual first-order estimate
 //! k₀(k₀ − 1)/k₁ with k₀ = |p/r|, k₁ = |p/r²|, which is exact on the surface and in its gradient
-//! there. All lengths have one unit, chosen by the user of the solid.
+//! there; far from a flat ellipsoid it is much too small, so its bounding box and ball bound it. All lengths have one unit, chosen by the user of the solid.
 
 use glam::DVec3;
 
@@ -47,7 +47,10 @@ impl Body {
                 let q = DVec3::new(c * q.x + s * q.y, c * q.y - s * q.x, q.z);
                 let k0 = (q / radii).length();
                 let k1 = (q / (radii * radii)).length();
-                if k1 > 0.0 { k0 * (k0 - 1.0) / k1 } else { -radii.min_element() }
+                let estimate = if k1 > 0.0 { k0 * (k0 - 1.0) / k1 } else { -radii.min_element() };
+                // Never less than the distances of the box and of the ball around the ellipsoid.
+                let bound = (q.abs() - radii).max_element().max(q.length() - radii.max_element());
+                estimate.max(bound)
             }
             Body::Capsule { ends: [a, b], radii: [ra, rb] } => {
                 let (along, q) = (b - a, p - a);
@@ -98,9 +101,10 @@ impl Solid {
     /// The part of the solid that matters within `radius` of `centre`, correct for distances up to
     /// `reach`.
     pub fn near(&self, centre: DVec3, radius: f64, reach: f64) -> Solid {
+        // Twice the blend, as several blends in a row reach further than one.
         let matters = |body: &Body, blend: f64| {
             let (middle, size) = body.ball();
-            (middle - centre).length() <= size + radius + reach + blend
+            (middle - centre).length() <= size + radius + reach + 2.0 * blend
         };
         Solid { steps: self.steps.iter().filter(|(_, body, blend)| matters(body, *blend)).copied().collect() }
     }
