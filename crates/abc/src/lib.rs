@@ -1,1 +1,14 @@
-//! Gradient estimation, classification and shading
+//! ABC units: gradient estimation from the rays above, below and around; classification; shading.
+//!
+//! ```text
+//!               above, current, below planes of samples
+//!   [samples] ──► gradient ──► normalise ──► light ──┐
+//!             └─► classify ──────────────────────────┴─► [shaded]
+//! ```
+//! Pfister et al. 1995, section 4.
+
+pub mod golden;
+pub mod lanes;
+mod unit;
+
+pub use unit::{AbcSpec, AbcUnit, NoShading, RING, Shade, ShadedRay, ShadedSamples, Shader};

@@ -22,6 +22,8 @@ pub struct FrameSetup {
     pub classification: Classification,
     /// Gradient, absent where nothing reads it.
     pub gradient: Option<GradientRegisters>,
+    /// Length and direction of the gradient, absent where nothing reads them.
+    pub normaliser: Option<Normaliser>,
     /// Shading, absent where colours are used as they are.
     pub shading: Option<Shading>,
     /// Depth cueing, absent where there is none.
@@ -129,6 +131,18 @@ impl GradientRegisters {
     pub const SCALE_BITS: u32 = 12;
 }
 
+/// The normaliser's table of reciprocal roots.
+///
+/// A block-normalised gradient of `normal_bits` B has a squared length of `2^(2B−2)` to below `3·2^(2B)`; entry i is
+/// `2^(2B−1) / √m²` at the middle of the i-th bin of `2^(2B−2−root_bits)`, at most `2^B`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Normaliser {
+    /// `11·2^root_bits` entries.
+    pub root: Vec<u32>,
+    /// Index bits of the table.
+    pub root_bits: u32,
+}
+
 /// Registers and tables of the shading unit.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Shading {
@@ -142,10 +156,6 @@ pub enum Shading {
 /// fractions of `normal_bits − 1`, against the gradient, in its frame.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Phong {
-    /// Reciprocal roots for the normaliser; see `cube3_abc::golden::normalise`.
-    pub root: Vec<u32>,
-    /// Index bits of the root table.
-    pub root_bits: u32,
     /// Ambient intensity.
     pub ambient: u32,
     /// Lit from both sides.
@@ -182,10 +192,6 @@ pub struct ReflectanceTable {
     pub specular: Vec<[u32; 3]>,
     /// Intensity of a sample without a gradient.
     pub flat: u32,
-    /// Reciprocal roots for the gradient's magnitude, and their index bits, where a 2-D table reads it.
-    pub root: Vec<u32>,
-    /// Index bits of the root table.
-    pub root_bits: u32,
 }
 
 /// Registers of the cone.

@@ -2,7 +2,7 @@
 
 use crate::{
     Axes, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, HalfSpace, Linear, LinearFactor,
-    MachineSpec, canonical, classification, largest_offset, shading, slope_register,
+    MachineSpec, ShadingUnit, canonical, classification, largest_offset, shading, slope_register,
 };
 use cube3_scene::{Mode, Scene, SceneError, ViewFrame};
 use cube3_word::{quantise_fraction, quantise_unit};
@@ -110,6 +110,10 @@ pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, pl
             format!("{} table entries", ((1 << words.table_gradient_bits) - 1) << words.table_bits),
         );
     }
+    let normal_needed = rows.is_some() || (lit && machine.abc.shading == ShadingUnit::Phong);
+    if gradient_needed && !normal_needed && plan {
+        leave("normaliser", "the reflectance table reads the direction alone", "6 multipliers a lane and the root table".into());
+    }
     let clips = clips(scene, &geometry);
     if clips.is_empty() && plan {
         leave("cut planes and crop box", "the scene has none", "12 comparators a lane".into());
@@ -129,7 +133,8 @@ pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, pl
         clips,
         classification: classification::tables(scene, machine, volume, &geometry, rows, &basis),
         gradient,
-        shading: lit.then(|| shading::registers(scene, machine, &view, &geometry, &basis, rows.is_some())),
+        normaliser: (normal_needed || !plan).then(|| shading::normaliser(machine)),
+        shading: lit.then(|| shading::registers(scene, machine, &view, &geometry, &basis)),
         depth_cue: depth_cue(scene, &geometry, volume, &view),
         cone: ConeRegisters {
             mode: scene.mode,

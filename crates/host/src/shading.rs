@@ -1,6 +1,6 @@
 //! Registers and tables of the shading unit.
 
-use crate::{Basis, Geometry, MachineSpec, Phong, PhongLight, ReflectanceTable, Shading, ShadingUnit};
+use crate::{Basis, Geometry, MachineSpec, Normaliser, Phong, PhongLight, ReflectanceTable, Shading, ShadingUnit};
 use cube3_scene::{ResolvedLight, Scene, ViewFrame, resolve_lights};
 
 /// A light in the gradient's frame, negated: the surface's normal is against the gradient.
@@ -10,14 +10,13 @@ struct LocalLight {
     colour: [f64; 3],
 }
 
-/// The shading unit's registers. `magnitude` says whether a table reads the gradient's magnitude.
+/// The shading unit's registers.
 pub(crate) fn registers(
     scene: &Scene,
     machine: &MachineSpec,
     view: &ViewFrame,
     geometry: &Geometry,
     basis: &Basis,
-    magnitude: bool,
 ) -> Shading {
     let local = |light: &ResolvedLight| LocalLight {
         direction: basis.components(&geometry.axes, -light.direction),
@@ -27,7 +26,7 @@ pub(crate) fn registers(
     let lights: Vec<LocalLight> = resolve_lights(scene, view).iter().map(local).collect();
     match machine.abc.shading {
         ShadingUnit::Phong => Shading::Phong(phong(scene, machine, &lights)),
-        ShadingUnit::ReflectanceTable => Shading::Table(reflectance(scene, machine, &lights, magnitude)),
+        ShadingUnit::ReflectanceTable => Shading::Table(reflectance(scene, machine, &lights)),
     }
 }
 
@@ -53,10 +52,7 @@ fn phong(scene: &Scene, machine: &MachineSpec, lights: &[LocalLight]) -> Phong {
         let x = f64::from(i) / steps;
         (x.powf(material.shininess) * f64::from(1_u32 << words.colour_bits)).round() as u32
     });
-    let root_bits = root_bits(machine);
     Phong {
-        root: root_table(words.normal_bits, root_bits),
-        root_bits,
         ambient: intensity(material.ambient, words.colour_bits),
         two_sided: material.two_sided,
         lights: lights
@@ -73,23 +69,20 @@ fn phong(scene: &Scene, machine: &MachineSpec, lights: &[LocalLight]) -> Phong {
     }
 }
 
-fn root_bits(machine: &MachineSpec) -> u32 {
-    machine.abc.root_bits.min(2 * machine.words.normal_bits - 2)
-}
-
-/// Reciprocal roots of the normaliser. A block-normalised gradient of `normal_bits` B has a squared length of
-/// `2^(2B−2)` to below `3·2^(2B)`; entry i is `2^(2B−1) / √m²` at the middle of the i-th bin of `2^(2B−2−root_bits)`, at
-/// most `2^B`.
-fn root_table(normal_bits: u32, root_bits: u32) -> Vec<u32> {
-    let bin = ((2 * normal_bits - 2 - root_bits) as f64).exp2();
-    let top = f64::from(2 * normal_bits - 1).exp2();
-    (1_u32 << root_bits..12 << root_bits)
+/// The normaliser's table.
+pub(crate) fn normaliser(machine: &MachineSpec) -> Normaliser {
+    let bits = machine.words.normal_bits;
+    let root_bits = machine.abc.root_bits.min(2 * bits - 2);
+    let bin = f64::from(2 * bits - 2 - root_bits).exp2();
+    let top = f64::from(2 * bits - 1).exp2();
+    let root = (1_u32 << root_bits..12 << root_bits)
         .map(|index| (top / ((f64::from(index) + 0.5) * bin).sqrt()).round() as u32)
-        .map(|root| root.min(1 << normal_bits))
-        .collect()
+        .map(|root| root.min(1 << bits))
+        .collect();
+    Normaliser { root, root_bits }
 }
 
-fn reflectance(scene: &Scene, machine: &MachineSpec, lights: &[LocalLight], magnitude: bool) -> ReflectanceTable {
+fn reflectance(scene: &Scene, machine: &MachineSpec, lights: &[LocalLight]) -> ReflectanceTable {
     let (bits, colour_bits) = (machine.abc.reflectance_bits, machine.words.colour_bits);
     let material = &scene.material;
     let side = 1_u32 << bits;
@@ -125,7 +118,5 @@ fn reflectance(scene: &Scene, machine: &MachineSpec, lights: &[LocalLight], magn
             }
         }
     }
-    let root_bits = root_bits(machine);
-    let root = if magnitude { root_table(machine.words.normal_bits, root_bits) } else { Vec::new() };
-    ReflectanceTable { bits, diffuse, specular, flat: intensity(material.ambient, colour_bits), root, root_bits }
+    ReflectanceTable { bits, diffuse, specular, flat: intensity(material.ambient, colour_bits) }
 }

@@ -1,0 +1,263 @@
+//! Gradient, classification and shading of one sample. The definition.
+
+use cube3_host::{
+    Classification, FrameSetup, GradientMethod, GradientRegisters, LinearFactor, Normaliser, Phong, ReflectanceTable,
+    Shading,
+};
+use cube3_word::{Words, lerp, saturate, unit_full};
+
+/// The sample and its 26 neighbours, `[w][v][u]` with the sample itself at `[1][1][1]`: w along the ray, v from
+/// plane to plane, u from ray to ray. Samples beyond the volume are the border word.
+pub type Neighbourhood = [[[i32; 3]; 3]; 3];
+
+/// Something with the number of words that overflowed and were saturated on the way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Counted<T> {
+    /// The value.
+    pub value: T,
+    /// Saturated words.
+    pub overflows: u32,
+}
+
+/// The gradient of a sample, three signed words of `gradient_bits`.
+///
+/// Each component stands for the difference of two samples that are two voxels (or two steps) apart, without
+/// the low bits that the word has no room for.
+pub fn gradient(s: &Neighbourhood, registers: &GradientRegisters, words: &Words) -> Counted<[i32; 3]> {
+    let (differences, extra) = differences(s, registers, words);
+    let mut overflows = 0;
+    let value = [0, 1, 2].map(|i| {
+        let scaled = match registers.scale {
+            Some(scale) => {
+                words.rounding.shift_right(differences[i] * i64::from(scale[i]), GradientRegisters::SCALE_BITS)
+            }
+            None => differences[i],
+        };
+        let (word, saturated) =
+            saturate(words.rounding.shift_right(scaled, words.gradient_drop() + extra), words.gradient_bits);
+        overflows += u32::from(saturated);
+        word
+    });
+    Counted { value, overflows }
+}
+
+/// Differences along u, v and w, and the bits by which their weights exceed 1.
+fn differences(s: &Neighbourhood, registers: &GradientRegisters, words: &Words) -> ([i64; 3], u32) {
+    let [du, dv] = registers.weights;
+    let lerp = |near: i32, far: i32, weight: u32| i64::from(lerp(near, far, weight, words.weight_bits, words.rounding));
+    let between = |far: i32, near: i32| i64::from(far) - i64::from(near);
+    let u = between(s[1][1][2], s[1][1][0]);
+    let v = between(s[1][2][1], s[1][0][1]);
+    let ray = between(s[2][1][1], s[0][1][1]);
+    let shear = |d: [i64; 3]| {
+        let along = d[0] * i64::from(du) + d[1] * i64::from(dv);
+        [d[0], d[1], d[2] - words.rounding.shift_right(along, words.weight_bits)]
+    };
+    match registers.method {
+        GradientMethod::Six => ([u, v, ray], 0),
+        GradientMethod::SixSheared => (shear([u, v, ray]), 0),
+        GradientMethod::TwentySix => (weighted(s), 4),
+        GradientMethod::TwentySixSheared => (shear(weighted(s)), 4),
+        GradientMethod::Ten | GradientMethod::TenNormalised => {
+            // The foot of the perpendicular from a side ray lies towards the eye on the right, away on the left.
+            let right = lerp(s[1][1][2], s[0][1][2], du);
+            let left = lerp(s[1][1][0], s[2][1][0], du);
+            let below = lerp(s[1][2][1], s[0][2][1], dv);
+            let above = lerp(s[1][0][1], s[2][0][1], dv);
+            ([right - left, below - above, ray], 0)
+        }
+        GradientMethod::Twelve => {
+            // Straight behind the sample on slice k+1 lies between rays u−1 and u, v−1 and v; before it, the mirror image.
+            let bilinear = |slice: &[[i32; 3]; 3], v: usize, u: usize| {
+                let near = lerp(slice[1][1], slice[1][u], du);
+                let far = lerp(slice[v][1], slice[v][u], du);
+                lerp(near as i32, far as i32, dv)
+            };
+            ([u, v, bilinear(&s[2], 0, 0) - bilinear(&s[0], 2, 2)], 0)
+        }
+    }
+}
+
+/// Differences of the 26-neighbourhood with weights 4, 2, 1 by Manhattan distance: sixteen times those of one pair.
+fn weighted(s: &Neighbourhood) -> [i64; 3] {
+    let mut sums = [0; 3];
+    for (a, first) in [1, 2, 1].into_iter().enumerate() {
+        for (b, second) in [1, 2, 1].into_iter().enumerate() {
+            let weight = first * second;
+            sums[0] += weight * (i64::from(s[a][b][2]) - i64::from(s[a][b][0]));
+            sums[1] += weight * (i64::from(s[a][2][b]) - i64::from(s[a][0][b]));
+            sums[2] += weight * (i64::from(s[2][a][b]) - i64::from(s[0][a][b]));
+        }
+    }
+    sums
+}
+
+/// A normalised gradient.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Normal {
+    /// Direction, fractions of `normal_bits − 1`, −1 to 1 inclusive; all 0 where the gradient is.
+    pub direction: [i32; 3],
+    /// Length of the gradient, in its own words.
+    pub magnitude: u32,
+}
+
+/// Normalises a gradient: a block shift brings its largest component to `normal_bits` B, and a table of reciprocal
+/// roots over the squared length, `2^(2B−2)` to `3·2^(2B)`, does the rest. Odd in every component.
+pub fn normalise(gradient: [i32; 3], table: &Normaliser, words: &Words) -> Normal {
+    let bits = words.normal_bits;
+    let sizes = gradient.map(i32::unsigned_abs);
+    let largest = sizes[0] | sizes[1] | sizes[2];
+    if largest == 0 {
+        return Normal { direction: [0; 3], magnitude: 0 };
+    }
+    let zeros = largest.leading_zeros();
+    let block = sizes.map(|size| (size << zeros) >> (32 - bits));
+    let square: u32 = block.iter().map(|a| a * a).sum();
+    let reciprocal = table.root[(square >> (2 * bits - 2 - table.root_bits)) as usize - (1 << table.root_bits)];
+    let one = 1 << (bits - 1);
+    let unit = block.map(|a| ((a * reciprocal + (1 << (bits - 1))) >> bits).min(one));
+    let direction = [0, 1, 2].map(|i| if gradient[i] < 0 { -(unit[i] as i32) } else { unit[i] as i32 });
+    let length: u64 = (0..3).map(|i| u64::from(block[i]) * u64::from(unit[i])).sum();
+    // The block was shifted left by `zeros + bits − 32`, and the product has a fraction of `bits − 1`.
+    let back = zeros + 2 * bits - 33;
+    Normal { direction, magnitude: ((length + (1 << back >> 1)) >> back) as u32 }
+}
+
+/// Diffuse and specular light on a sample: what multiplies its colour (fractions of `colour_bits`) and what is added
+/// to it (on the scale of a unit colour word).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Light {
+    /// Multiplies.
+    pub diffuse: [u32; 3],
+    /// Is added.
+    pub specular: [u32; 3],
+}
+
+/// Phong's formula in integers.
+pub fn phong(normal: [i32; 3], phong: &Phong, words: &Words) -> Light {
+    let one_bits = words.normal_bits - 1;
+    let one = 1_i64 << one_bits;
+    let cosine = |direction: [i32; 3]| {
+        let dot: i64 = (0..3).map(|i| i64::from(normal[i]) * i64::from(direction[i])).sum();
+        let dot = words.rounding.shift_right(dot, one_bits);
+        if phong.two_sided { dot.abs().min(one) } else { dot.clamp(0, one) }
+    };
+    let mut light = Light { diffuse: [phong.ambient; 3], specular: [0; 3] };
+    for source in &phong.lights {
+        let (towards, half) = (cosine(source.direction), cosine(source.halfway));
+        let index = words.rounding.shift_right(half, one_bits - phong.power_bits) as usize;
+        let lit = phong.two_sided || towards > 0;
+        let power = if lit { i64::from(phong.power[index]) } else { 0 };
+        for i in 0..3 {
+            light.diffuse[i] += words.rounding.shift_right(i64::from(source.diffuse[i]) * towards, one_bits) as u32;
+            light.specular[i] +=
+                words.rounding.shift_right(i64::from(source.specular[i]) * power, words.colour_bits) as u32;
+        }
+    }
+    light
+}
+
+/// The entry of a reflectance table for a gradient's direction: the face of its largest component (u before v before w
+/// where equal), and the others divided by that one. None where there is no direction.
+pub fn direction_index(gradient: [i32; 3], bits: u32) -> Option<usize> {
+    let sizes = gradient.map(i32::unsigned_abs);
+    let largest = sizes[0].max(sizes[1]).max(sizes[2]);
+    if largest == 0 {
+        return None;
+    }
+    let axis = sizes.iter().position(|&size| size == largest)?;
+    let half = 1_u32 << (bits - 1);
+    let coordinate = |axis: usize| {
+        let quotient = ((u64::from(sizes[axis]) << (bits - 1)) / u64::from(largest)) as u32;
+        let quotient = quotient.min(half - 1);
+        if gradient[axis] < 0 { half - 1 - quotient } else { half + quotient }
+    };
+    let face = 2 * axis as u32 + u32::from(gradient[axis] < 0);
+    let (first, second) = (coordinate((axis + 1) % 3), coordinate((axis + 2) % 3));
+    Some(((face << bits | second) << bits | first) as usize)
+}
+
+/// Light on a sample by table.
+pub fn reflectance(gradient: [i32; 3], table: &ReflectanceTable) -> Light {
+    match direction_index(gradient, table.bits) {
+        Some(index) => Light { diffuse: table.diffuse[index], specular: table.specular[index] },
+        None => Light { diffuse: [table.flat; 3], specular: [0; 3] },
+    }
+}
+
+/// The colour of a lit sample, saturated at 1.
+pub fn lit(colour: [u32; 3], light: Light, words: &Words) -> Counted<[u32; 3]> {
+    let full = i64::from(unit_full(words.colour_bits));
+    let mut overflows = 0;
+    let value = [0, 1, 2].map(|i| {
+        let product = i64::from(colour[i]) * i64::from(light.diffuse[i]);
+        let sum = words.rounding.shift_right(product, words.colour_bits) + i64::from(light.specular[i]);
+        overflows += u32::from(sum > full);
+        sum.min(full) as u32
+    });
+    Counted { value, overflows }
+}
+
+/// Opacity and colour of a sample word by the tables; a sample outside of the threshold has none.
+pub fn classify(sample: i32, magnitude: u32, table: &Classification) -> Option<(u32, [u32; 3])> {
+    let word = sample as u32;
+    if word < table.threshold[0] || word > table.threshold[1] {
+        return None;
+    }
+    let index = (word >> table.index_shift) as usize;
+    let row = table.gradient_rows.map_or(0, |rows| (magnitude >> rows.shift).min(rows.rows - 1) as usize);
+    Some((table.opacity[row * table.colour.len() + index], table.colour[index]))
+}
+
+/// A sample as it goes into the cone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shaded {
+    /// Whether the sample takes part: it is in the volume, within every clip and the threshold.
+    pub present: bool,
+    /// The sample word.
+    pub sample: i32,
+    /// Unit word of `opacity_bits`.
+    pub opacity: u32,
+    /// Unit words of `colour_bits`, not yet weighted with the opacity; 0 where that is 0.
+    pub colour: [u32; 3],
+}
+
+/// Everything that an ABC unit does to sample k of ray (u, v), which is in the volume. Overflows are counted where the
+/// sample is not transparent.
+pub fn shade(s: &Neighbourhood, at: [i64; 3], setup: &FrameSetup) -> Counted<Shaded> {
+    let words = &setup.words;
+    let sample = s[1][1][1];
+    let nothing = Counted { value: Shaded { sample, ..Shaded::default() }, overflows: 0 };
+    if setup.clips.iter().any(|clip| clip.distance.at(at[0], at[1], at[2]) < 0) {
+        return nothing;
+    }
+    let gradient = match &setup.gradient {
+        Some(registers) => gradient(s, registers, words),
+        None => Counted { value: [0; 3], overflows: 0 },
+    };
+    let normal = match &setup.normaliser {
+        Some(normaliser) => normalise(gradient.value, normaliser, words),
+        None => Normal { direction: [0; 3], magnitude: 0 },
+    };
+    let Some((opacity, colour)) = classify(sample, normal.magnitude, &setup.classification) else {
+        return nothing;
+    };
+    if opacity == 0 {
+        return Counted { value: Shaded { present: true, sample, opacity, colour: [0; 3] }, overflows: 0 };
+    }
+    let mut coloured = match &setup.shading {
+        Some(Shading::Phong(registers)) => lit(colour, phong(normal.direction, registers, words), words),
+        Some(Shading::Table(table)) => lit(colour, reflectance(gradient.value, table), words),
+        None => Counted { value: colour, overflows: 0 },
+    };
+    if let Some(cue) = &setup.depth_cue {
+        coloured.value = cued(coloured.value, cue.word(at[0], at[1], at[2]), words);
+    }
+    let shaded = Shaded { present: true, sample, opacity, colour: coloured.value };
+    Counted { value: shaded, overflows: coloured.overflows + gradient.overflows }
+}
+
+/// A colour behind the depth cue's factor.
+pub fn cued(colour: [u32; 3], factor: u32, words: &Words) -> [u32; 3] {
+    colour.map(|c| words.rounding.shift_right(i64::from(c) * i64::from(factor), LinearFactor::WORD_BITS) as u32)
+}

@@ -1,0 +1,633 @@
+//! The same arithmetic for a row of samples at once.
+//!
+//! A row is any run of samples whose neighbours a function can give for each lane: the rays of a plane at one depth, or
+//! the depths of one ray. Arithmetic is in 32 bits where the words allow it, in 64 where they do not.
+
+use crate::golden;
+use cube3_host::{
+    Classification, FrameSetup, GradientMethod, GradientRegisters, LinearFactor, Normaliser, Phong, ReflectanceTable,
+    Shading,
+};
+use cube3_word::{Shift, Words, unit_full};
+
+/// A row of shaded samples; see [`golden::Shaded`].
+#[derive(Clone, Debug, Default)]
+pub struct ShadedRow {
+    /// 1 where the sample takes part, 0 where not. Set before, cleared where a sample is outside of the threshold.
+    pub present: Vec<u8>,
+    /// Opacity.
+    pub opacity: Vec<u32>,
+    /// Red, green, blue; 0 where the opacity is.
+    pub colour: [Vec<u32>; 3],
+    /// The first lane with an opacity above 0, and one past the last; beyond them opacity and colour are 0.
+    pub span: (usize, usize),
+    /// Saturated words.
+    pub overflows: u64,
+}
+
+/// The ABC unit's lanes for the registers of a frame.
+#[derive(Clone, Debug)]
+pub struct AbcLanes {
+    words: Words,
+    table: ClassifyLanes,
+    gradient: Option<GradientLanes>,
+    normaliser: Option<Normaliser>,
+    shading: Option<Shading>,
+    cue: Option<LinearFactor>,
+    skip: bool,
+    row: Scratch,
+}
+
+/// Rows between the stages.
+#[derive(Clone, Debug, Default)]
+struct Scratch {
+    gradient: [Vec<i32>; 3],
+    overflow: Vec<u32>,
+    block: [Vec<u32>; 3],
+    index: Vec<u32>,
+    reciprocal: Vec<u32>,
+    direction: [Vec<i32>; 3],
+    magnitude: Vec<u32>,
+    cosine: [Vec<i32>; 2],
+    power: Vec<u32>,
+    diffuse: [Vec<u32>; 3],
+    specular: [Vec<u32>; 3],
+}
+
+fn resize<T: Default + Clone>(rows: &mut [Vec<T>], n: usize) {
+    for row in rows {
+        row.resize(n, T::default());
+    }
+}
+
+impl AbcLanes {
+    /// Lanes for a frame. With `skip`, rows and ends of rows that are transparent are not shaded, which changes no bit.
+    pub fn new(setup: &FrameSetup, skip: bool) -> AbcLanes {
+        AbcLanes {
+            words: setup.words,
+            table: ClassifyLanes::new(&setup.classification),
+            gradient: setup.gradient.map(|registers| GradientLanes::new(registers, &setup.words)),
+            normaliser: setup.normaliser.clone(),
+            shading: setup.shading.clone(),
+            cue: setup.depth_cue,
+            skip,
+            row: Scratch::default(),
+        }
+    }
+
+    /// Shades `n` samples. `neighbour(w, v, u, lane)` is the neighbourhood of a lane, each index 0 to 2 and 1 the lane itself;
+    /// `at(lane)` is the lane's (u, v, k). `out.present` must have `n` entries.
+    #[inline(always)]
+    pub fn shade(
+        &mut self,
+        n: usize,
+        neighbour: impl Fn(usize, usize, usize, usize) -> i32 + Copy,
+        at: impl Fn(usize) -> [i64; 3] + Copy,
+        out: &mut ShadedRow,
+    ) {
+        out.overflows = 0;
+        out.opacity.resize(n, 0);
+        resize(&mut out.colour, n);
+        let two_dimensional = self.table.rows.is_some();
+        if two_dimensional {
+            self.gradient_stage(0, n, neighbour);
+            self.normal_stage(0, n);
+        }
+        let span = self.table.opacity(n, neighbour, &self.row.magnitude, out);
+        out.span = if self.skip { span } else { (0, n) };
+        let (from, to) = out.span;
+        for colour in &mut out.colour {
+            colour[..from].fill(0);
+            colour[to..].fill(0);
+        }
+        if from >= to {
+            out.span = (0, 0);
+            return;
+        }
+        if !two_dimensional {
+            self.gradient_stage(from, to, neighbour);
+            self.normal_stage(from, to);
+        }
+        self.table.colour(from, to, neighbour, out);
+        match self.shading.take() {
+            Some(Shading::Phong(phong)) => {
+                self.phong_stage(from, to, &phong);
+                self.light_stage(from, to, out);
+                self.shading = Some(Shading::Phong(phong));
+            }
+            Some(Shading::Table(table)) => {
+                self.table_stage(from, to, &table);
+                self.light_stage(from, to, out);
+                self.shading = Some(Shading::Table(table));
+            }
+            None => {}
+        }
+        if let Some(cue) = self.cue {
+            let shift = self.words.rounding.by(LinearFactor::WORD_BITS);
+            for lane in from..to {
+                let [u, v, k] = at(lane);
+                let factor = i64::from(cue.word(u, v, k));
+                for colour in &mut out.colour {
+                    colour[lane] = shift.apply(i64::from(colour[lane]) * factor) as u32;
+                }
+            }
+        }
+        self.clear_transparent(from, to, out);
+    }
+
+    /// A transparent sample has no colour and counts no overflow.
+    #[inline(always)]
+    fn clear_transparent(&self, from: usize, to: usize, out: &mut ShadedRow) {
+        let opacity = &out.opacity[from..to];
+        let n = opacity.len();
+        for colour in &mut out.colour {
+            let colour = &mut colour[from..to];
+            for i in 0..n {
+                colour[i] = if opacity[i] == 0 { 0 } else { colour[i] };
+            }
+        }
+        if self.gradient.is_some() || self.shading.is_some() {
+            let overflow = &self.row.overflow[from..to];
+            let counted: u32 = (0..n).map(|i| if opacity[i] == 0 { 0 } else { overflow[i] }).sum();
+            out.overflows = u64::from(counted);
+        }
+    }
+
+    #[inline(always)]
+    fn gradient_stage(&mut self, from: usize, to: usize, neighbour: impl Fn(usize, usize, usize, usize) -> i32 + Copy) {
+        let row = &mut self.row;
+        row.overflow.resize(to.max(row.overflow.len()), 0);
+        row.overflow[from..to].fill(0);
+        let Some(gradient) = &self.gradient else {
+            return;
+        };
+        let most = to.max(row.gradient[0].len());
+        resize(&mut row.gradient, most);
+        let [u, v, w] = &mut row.gradient;
+        let out = [&mut u[from..to], &mut v[from..to], &mut w[from..to]];
+        gradient.run(from, neighbour, out, &mut row.overflow[from..to]);
+    }
+
+    #[inline(always)]
+    fn normal_stage(&mut self, from: usize, to: usize) {
+        let Some(table) = &self.normaliser else {
+            return;
+        };
+        let row = &mut self.row;
+        let most = to.max(row.index.len());
+        resize(&mut row.block, most);
+        resize(&mut row.direction, most);
+        row.index.resize(most, 0);
+        row.reciprocal.resize(most, 0);
+        row.magnitude.resize(most, 0);
+        normalise(row, table, &self.words, from, to, self.table.rows.is_some());
+    }
+
+    #[inline(always)]
+    fn phong_stage(&mut self, from: usize, to: usize, phong: &Phong) {
+        let row = &mut self.row;
+        let most = to.max(row.power.len());
+        resize(&mut row.cosine, most);
+        resize(&mut row.diffuse, most);
+        resize(&mut row.specular, most);
+        row.power.resize(most, 0);
+        for i in 0..3 {
+            row.diffuse[i][from..to].fill(phong.ambient);
+            row.specular[i][from..to].fill(0);
+        }
+        let words = &self.words;
+        let narrow = words.colour_bits + 3 + words.normal_bits <= 31;
+        for light in &phong.lights {
+            for (cosine, direction) in row.cosine.iter_mut().zip([light.direction, light.halfway]) {
+                dot(&row.direction, direction, phong.two_sided, words, from, &mut cosine[from..to]);
+            }
+            let [towards, half] = &row.cosine;
+            let (towards, half, power) = (&towards[from..to], &half[from..to], &mut row.power[from..to]);
+            look_up_power(half, towards, phong, words, power);
+            let by_cosine = words.rounding.by(words.normal_bits - 1);
+            let by_power = words.rounding.by(words.colour_bits);
+            let wide_power = 2 * words.colour_bits + 4 > 31;
+            for i in 0..3 {
+                accumulate(towards, light.diffuse[i], by_cosine, narrow, &mut row.diffuse[i][from..to]);
+                accumulate(power, light.specular[i], by_power, !wide_power, &mut row.specular[i][from..to]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn table_stage(&mut self, from: usize, to: usize, table: &ReflectanceTable) {
+        let row = &mut self.row;
+        let most = to.max(row.diffuse[0].len());
+        resize(&mut row.diffuse, most);
+        resize(&mut row.specular, most);
+        for lane in from..to {
+            let gradient = [0, 1, 2].map(|i| row.gradient[i][lane]);
+            let light = golden::reflectance(gradient, table);
+            for i in 0..3 {
+                row.diffuse[i][lane] = light.diffuse[i];
+                row.specular[i][lane] = light.specular[i];
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn light_stage(&mut self, from: usize, to: usize, out: &mut ShadedRow) {
+        let (row, words) = (&mut self.row, &self.words);
+        let full = unit_full(words.colour_bits);
+        let shift = words.rounding.by(words.colour_bits);
+        // 8 lights of 15 and an ambient of 15 stay below 2^(colour_bits + 8).
+        let narrow = 2 * words.colour_bits + 8 <= 32;
+        let overflow = &mut row.overflow[from..to];
+        for i in 0..3 {
+            let colour = &mut out.colour[i][from..to];
+            let (diffuse, specular) = (&row.diffuse[i][from..to], &row.specular[i][from..to]);
+            let n = colour.len();
+            let (diffuse, specular, overflow) = (&diffuse[..n], &specular[..n], &mut overflow[..n]);
+            if narrow {
+                for lane in 0..n {
+                    let sum = ((colour[lane] * diffuse[lane] + shift.half as u32) >> shift.bits) + specular[lane];
+                    overflow[lane] += u32::from(sum > full);
+                    colour[lane] = sum.min(full);
+                }
+            } else {
+                for lane in 0..n {
+                    let product = u64::from(colour[lane]) * u64::from(diffuse[lane]);
+                    let sum = ((product + shift.half as u64) >> shift.bits) as u32 + specular[lane];
+                    overflow[lane] += u32::from(sum > full);
+                    colour[lane] = sum.min(full);
+                }
+            }
+        }
+    }
+}
+
+/// `out += round(weight · x)`.
+#[inline(always)]
+fn accumulate<T: Copy + Into<i64> + AsWord>(x: &[T], weight: u32, shift: Shift, narrow: bool, out: &mut [u32]) {
+    let n = out.len();
+    let x = &x[..n];
+    if weight == 0 {
+        return;
+    }
+    if narrow {
+        for lane in 0..n {
+            out[lane] += (x[lane].word() * weight + shift.half as u32) >> shift.bits;
+        }
+    } else {
+        for lane in 0..n {
+            out[lane] += shift.apply(x[lane].into() * i64::from(weight)) as u32;
+        }
+    }
+}
+
+/// A word that is not negative, as an unsigned one.
+trait AsWord {
+    fn word(self) -> u32;
+}
+
+impl AsWord for i32 {
+    #[inline(always)]
+    fn word(self) -> u32 {
+        self as u32
+    }
+}
+
+impl AsWord for u32 {
+    #[inline(always)]
+    fn word(self) -> u32 {
+        self
+    }
+}
+
+/// The cosine between directions and a light.
+#[inline(always)]
+fn dot(direction: &[Vec<i32>; 3], light: [i32; 3], two_sided: bool, words: &Words, from: usize, out: &mut [i32]) {
+    let n = out.len();
+    let [u, v, w] = direction;
+    let (u, v, w) = (&u[from..][..n], &v[from..][..n], &w[from..][..n]);
+    let one = 1_i32 << (words.normal_bits - 1);
+    // Three products of directions of at most 2^14 stay below 2^30.
+    let shift = words.rounding.by(words.normal_bits - 1);
+    if two_sided {
+        for lane in 0..n {
+            let dot = u[lane] * light[0] + v[lane] * light[1] + w[lane] * light[2];
+            out[lane] = shift.apply32(dot).abs().min(one);
+        }
+    } else {
+        for lane in 0..n {
+            let dot = u[lane] * light[0] + v[lane] * light[1] + w[lane] * light[2];
+            out[lane] = shift.apply32(dot).clamp(0, one);
+        }
+    }
+}
+
+#[inline(always)]
+fn look_up_power(half: &[i32], towards: &[i32], phong: &Phong, words: &Words, out: &mut [u32]) {
+    let n = out.len();
+    let (half, towards) = (&half[..n], &towards[..n]);
+    let shift = words.rounding.by(words.normal_bits - 1 - phong.power_bits);
+    let table = &phong.power[..(1 << phong.power_bits) + 1];
+    let last = table.len() - 1;
+    if phong.two_sided {
+        for lane in 0..n {
+            out[lane] = table[(shift.apply32(half[lane]) as usize).min(last)];
+        }
+    } else {
+        for lane in 0..n {
+            let power = table[(shift.apply32(half[lane]) as usize).min(last)];
+            out[lane] = if towards[lane] > 0 { power } else { 0 };
+        }
+    }
+}
+
+#[inline(always)]
+fn normalise(row: &mut Scratch, table: &Normaliser, words: &Words, from: usize, to: usize, magnitude: bool) {
+    let n = to - from;
+    let bits = words.normal_bits;
+    let Scratch {
+        gradient: [gu, gv, gw],
+        block: [bu, bv, bw],
+        index,
+        reciprocal,
+        direction: [du, dv, dw],
+        magnitude: length,
+        ..
+    } = row;
+    let (gu, gv, gw) = (&gu[from..to], &gv[from..to], &gw[from..to]);
+    let (bu, bv, bw) = (&mut bu[from..to], &mut bv[from..to], &mut bw[from..to]);
+    let (index, reciprocal) = (&mut index[from..to], &mut reciprocal[from..to]);
+    let into = 2 * bits - 2 - table.root_bits;
+    let first = 1_u32 << table.root_bits;
+    for lane in 0..n {
+        let sizes = [gu[lane].unsigned_abs(), gv[lane].unsigned_abs(), gw[lane].unsigned_abs()];
+        let zeros = (sizes[0] | sizes[1] | sizes[2] | 1).leading_zeros();
+        let block = sizes.map(|size| (size << zeros) >> (32 - bits));
+        let square = block[0] * block[0] + block[1] * block[1] + block[2] * block[2];
+        bu[lane] = block[0];
+        bv[lane] = block[1];
+        bw[lane] = block[2];
+        index[lane] = (square >> into).max(first) - first;
+    }
+    let root = table.root.as_slice();
+    for lane in 0..n {
+        reciprocal[lane] = root[index[lane] as usize];
+    }
+    let one = 1_u32 << (bits - 1);
+    let half = 1_u32 << (bits - 1);
+    for (block, gradient, out) in
+        [(&*bu, gu, &mut du[from..to]), (&*bv, gv, &mut dv[from..to]), (&*bw, gw, &mut dw[from..to])]
+    {
+        for lane in 0..n {
+            let size = ((block[lane] * reciprocal[lane] + half) >> bits).min(one) as i32;
+            out[lane] = if gradient[lane] < 0 { -size } else { size };
+        }
+    }
+    if magnitude {
+        for lane in 0..n {
+            let sizes = gu[lane].unsigned_abs() | gv[lane].unsigned_abs() | gw[lane].unsigned_abs();
+            let back = (sizes | 1).leading_zeros() + 2 * bits - 33;
+            let sum = u64::from(bu[lane]) * u64::from(du[from + lane].unsigned_abs())
+                + u64::from(bv[lane]) * u64::from(dv[from + lane].unsigned_abs())
+                + u64::from(bw[lane]) * u64::from(dw[from + lane].unsigned_abs());
+            length[from + lane] = ((sum + (1 << back >> 1)) >> back) as u32;
+        }
+    }
+}
+
+/// The classification tables, a word for opacity and colour together.
+#[derive(Clone, Debug)]
+struct ClassifyLanes {
+    /// Opacity, red, green, blue in 16 bits each; the opacity is that of row 0.
+    packed: Vec<u64>,
+    opacity: Vec<u32>,
+    shift: u32,
+    threshold: [u32; 2],
+    rows: Option<(u32, u32)>,
+    all: bool,
+}
+
+impl ClassifyLanes {
+    fn new(table: &Classification) -> ClassifyLanes {
+        let packed = table
+            .colour
+            .iter()
+            .zip(&table.opacity)
+            .map(|(colour, &opacity)| {
+                u64::from(opacity)
+                    | u64::from(colour[0]) << 16
+                    | u64::from(colour[1]) << 32
+                    | u64::from(colour[2]) << 48
+            })
+            .collect();
+        let last = (table.colour.len() as u32).wrapping_shl(table.index_shift).wrapping_sub(1);
+        ClassifyLanes {
+            packed,
+            opacity: if table.gradient_rows.is_some() { table.opacity.clone() } else { Vec::new() },
+            shift: table.index_shift,
+            threshold: table.threshold,
+            rows: table.gradient_rows.map(|rows| (rows.shift, rows.rows - 1)),
+            all: table.threshold[0] == 0 && table.threshold[1] >= last,
+        }
+    }
+
+    /// Opacities of all lanes, and the span in which they are not 0.
+    #[inline(always)]
+    fn opacity(
+        &self,
+        n: usize,
+        neighbour: impl Fn(usize, usize, usize, usize) -> i32,
+        magnitude: &[u32],
+        out: &mut ShadedRow,
+    ) -> (usize, usize) {
+        let width = self.packed.len();
+        let packed = self.packed.as_slice();
+        let opacity = &mut out.opacity[..n];
+        match self.rows {
+            None => {
+                for lane in 0..n {
+                    opacity[lane] = packed[((neighbour(1, 1, 1, lane) as u32) >> self.shift) as usize] as u32 & 0xffff;
+                }
+            }
+            Some((shift, last)) => {
+                for lane in 0..n {
+                    let row = (magnitude[lane] >> shift).min(last) as usize;
+                    opacity[lane] =
+                        self.opacity[row * width + ((neighbour(1, 1, 1, lane) as u32) >> self.shift) as usize];
+                }
+            }
+        }
+        let present = &mut out.present[..n];
+        for lane in 0..n {
+            if present[lane] == 0 {
+                opacity[lane] = 0;
+            }
+        }
+        if !self.all {
+            for lane in 0..n {
+                let word = neighbour(1, 1, 1, lane) as u32;
+                if word < self.threshold[0] || word > self.threshold[1] {
+                    present[lane] = 0;
+                    opacity[lane] = 0;
+                }
+            }
+        }
+        let from = opacity.iter().position(|&a| a != 0).unwrap_or(n);
+        let to = opacity.iter().rposition(|&a| a != 0).map_or(from, |last| last + 1);
+        (from, to)
+    }
+
+    #[inline(always)]
+    fn colour(
+        &self,
+        from: usize,
+        to: usize,
+        neighbour: impl Fn(usize, usize, usize, usize) -> i32,
+        out: &mut ShadedRow,
+    ) {
+        let packed = self.packed.as_slice();
+        let [red, green, blue] = &mut out.colour;
+        let (red, green, blue) = (&mut red[from..to], &mut green[from..to], &mut blue[from..to]);
+        for lane in 0..to - from {
+            let entry = packed[((neighbour(1, 1, 1, from + lane) as u32) >> self.shift) as usize];
+            red[lane] = (entry >> 16) as u32 & 0xffff;
+            green[lane] = (entry >> 32) as u32 & 0xffff;
+            blue[lane] = (entry >> 48) as u32;
+        }
+    }
+}
+
+/// The gradient unit's lanes.
+#[derive(Clone, Copy, Debug)]
+struct GradientLanes {
+    method: GradientMethod,
+    weights: [i32; 2],
+    scale: Option<[u32; 3]>,
+    lerp: Shift,
+    scaling: Shift,
+    drop: Shift,
+    top: i32,
+    narrow: bool,
+}
+
+impl GradientLanes {
+    fn new(registers: GradientRegisters, words: &Words) -> GradientLanes {
+        let weighted = matches!(registers.method, GradientMethod::TwentySix | GradientMethod::TwentySixSheared);
+        let sheared = matches!(registers.method, GradientMethod::SixSheared | GradientMethod::TwentySixSheared);
+        let extra = if weighted { 4 } else { 0 };
+        // Bits of a difference, of a product of it, and of a sum of two.
+        let bits = words.sample_bits() + extra + u32::from(sheared) * 2;
+        let weight_bits =
+            words.weight_bits.max(if registers.scale.is_some() { GradientRegisters::SCALE_BITS } else { 0 });
+        GradientLanes {
+            method: registers.method,
+            weights: registers.weights.map(|weight| weight as i32),
+            scale: registers.scale,
+            lerp: words.rounding.by(words.weight_bits),
+            scaling: words.rounding.by(GradientRegisters::SCALE_BITS),
+            drop: words.rounding.by(words.gradient_drop() + extra),
+            top: (1 << (words.gradient_bits - 1)) - 1,
+            narrow: bits + weight_bits <= 30,
+        }
+    }
+
+    #[inline(always)]
+    fn run(
+        &self,
+        from: usize,
+        neighbour: impl Fn(usize, usize, usize, usize) -> i32 + Copy,
+        out: [&mut [i32]; 3],
+        overflow: &mut [u32],
+    ) {
+        macro_rules! methods {
+            ($($method:ident),*) => {
+                match (self.method, self.narrow) {
+                    $(
+                        (GradientMethod::$method, true) => self.rows::<{ GradientMethod::$method as u8 }, false>(from, neighbour, out, overflow),
+                        (GradientMethod::$method, false) => self.rows::<{ GradientMethod::$method as u8 }, true>(from, neighbour, out, overflow),
+                    )*
+                }
+            };
+        }
+        methods!(Six, TwentySix, Ten, TenNormalised, Twelve, SixSheared, TwentySixSheared);
+    }
+
+    /// One method in one width: the compiler sees a loop without branches.
+    #[inline(always)]
+    fn rows<const METHOD: u8, const WIDE: bool>(
+        &self,
+        from: usize,
+        neighbour: impl Fn(usize, usize, usize, usize) -> i32 + Copy,
+        out: [&mut [i32]; 3],
+        overflow: &mut [u32],
+    ) {
+        let n = overflow.len();
+        let [out_u, out_v, out_w] = out;
+        let (out_u, out_v, out_w) = (&mut out_u[..n], &mut out_v[..n], &mut out_w[..n]);
+        for lane in 0..n {
+            let s = |w: usize, v: usize, u: usize| neighbour(w, v, u, from + lane);
+            let mut d = self.differences::<METHOD, WIDE>(s);
+            if let Some(scale) = self.scale {
+                for i in 0..3 {
+                    d[i] = mul::<WIDE>(d[i], scale[i] as i32, self.scaling);
+                }
+            }
+            let d = d.map(|difference| self.drop.apply32(difference));
+            let held = d.map(|difference| difference.clamp(-self.top - 1, self.top));
+            overflow[lane] += u32::from(held[0] != d[0]) + u32::from(held[1] != d[1]) + u32::from(held[2] != d[2]);
+            out_u[lane] = held[0];
+            out_v[lane] = held[1];
+            out_w[lane] = held[2];
+        }
+    }
+
+    #[inline(always)]
+    fn differences<const METHOD: u8, const WIDE: bool>(&self, s: impl Fn(usize, usize, usize) -> i32) -> [i32; 3] {
+        let [du, dv] = self.weights;
+        let lerp = |near: i32, far: i32, weight: i32| near + mul::<WIDE>(far - near, weight, self.lerp);
+        let six = || [s(1, 1, 2) - s(1, 1, 0), s(1, 2, 1) - s(1, 0, 1), s(2, 1, 1) - s(0, 1, 1)];
+        let shear = |d: [i32; 3]| {
+            let along = if WIDE {
+                self.lerp.apply(i64::from(d[0]) * i64::from(du) + i64::from(d[1]) * i64::from(dv)) as i32
+            } else {
+                self.lerp.apply32(d[0] * du + d[1] * dv)
+            };
+            [d[0], d[1], d[2] - along]
+        };
+        let weighted = || {
+            let pair = |far: [i32; 3], near: [i32; 3]| (far[0] - near[0]) + 2 * (far[1] - near[1]) + (far[2] - near[2]);
+            let sum = |rows: [i32; 3]| rows[0] + 2 * rows[1] + rows[2];
+            let u = sum([0, 1, 2].map(|a| pair([0, 1, 2].map(|b| s(a, b, 2)), [0, 1, 2].map(|b| s(a, b, 0)))));
+            let v = sum([0, 1, 2].map(|a| pair([0, 1, 2].map(|b| s(a, 2, b)), [0, 1, 2].map(|b| s(a, 0, b)))));
+            let w = sum([0, 1, 2].map(|a| pair([0, 1, 2].map(|b| s(2, a, b)), [0, 1, 2].map(|b| s(0, a, b)))));
+            [u, v, w]
+        };
+        const SIX: u8 = GradientMethod::Six as u8;
+        const TWENTY_SIX: u8 = GradientMethod::TwentySix as u8;
+        const TWELVE: u8 = GradientMethod::Twelve as u8;
+        const SIX_SHEARED: u8 = GradientMethod::SixSheared as u8;
+        const TWENTY_SIX_SHEARED: u8 = GradientMethod::TwentySixSheared as u8;
+        match METHOD {
+            SIX => six(),
+            SIX_SHEARED => shear(six()),
+            TWENTY_SIX => weighted(),
+            TWENTY_SIX_SHEARED => shear(weighted()),
+            TWELVE => {
+                let behind = lerp(lerp(s(2, 1, 1), s(2, 1, 0), du), lerp(s(2, 0, 1), s(2, 0, 0), du), dv);
+                let before = lerp(lerp(s(0, 1, 1), s(0, 1, 2), du), lerp(s(0, 2, 1), s(0, 2, 2), du), dv);
+                let [u, v, _] = six();
+                [u, v, behind - before]
+            }
+            _ => {
+                let u = lerp(s(1, 1, 2), s(0, 1, 2), du) - lerp(s(1, 1, 0), s(2, 1, 0), du);
+                let v = lerp(s(1, 2, 1), s(0, 2, 1), dv) - lerp(s(1, 0, 1), s(2, 0, 1), dv);
+                [u, v, s(2, 1, 1) - s(0, 1, 1)]
+            }
+        }
+    }
+}
+
+/// A rounded product, in 32 bits or through 64.
+#[inline(always)]
+fn mul<const WIDE: bool>(a: i32, b: i32, shift: Shift) -> i32 {
+    if WIDE { shift.apply(i64::from(a) * i64::from(b)) as i32 } else { shift.apply32(a * b) }
+}

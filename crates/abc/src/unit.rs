@@ -1,0 +1,383 @@
+//! The ABC units on their channels: rays of samples in, rays of coloured samples out, a plane and a ray later.
+//!
+//! ```text
+//!   [samples] ──► ring of planes (and the first two) ──► 3 × 3 rays ──► gradient, table, light ──► [shaded]
+//! ```
+//! A ray is shaded when its neighbours in the planes above and below have come. Where slots are shared, the last
+//! plane's neighbour is the first, so the first is shaded last; rays of a plane likewise. Without a gradient,
+//! rays pass straight through.
+
+use crate::golden::Shaded;
+use crate::lanes::{AbcLanes, ShadedRow};
+use cube3_channel::{Account, Activity, Channel, PortState, Wait};
+use cube3_dsb::golden::ray_lane;
+use cube3_host::{DiscreteRay, FrameSetup, GradientMethod, MachineSpec};
+use cube3_trilin::{RaySamples, SampleRay};
+use cube3_word::vectorised;
+use serde::{Deserialize, Serialize};
+
+/// Planes in the ring: above, current, below, and the one that comes in.
+pub const RING: usize = 4;
+
+/// A slot of coloured samples.
+#[derive(Clone, Debug, Default)]
+pub struct ShadedRay<D> {
+    /// Plane of ray slots.
+    pub plane: u32,
+    /// Ray slot.
+    pub slot: u32,
+    /// The samples.
+    pub data: D,
+}
+
+/// Coloured samples of a ray slot, in lane order.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ShadedSamples(pub Vec<Shaded>);
+
+/// The ABC units' arithmetic, or nothing where only time counts.
+pub trait Shade {
+    /// What rays of samples carry.
+    type Input: Default;
+    /// What rays of coloured samples carry.
+    type Output: Default;
+
+    /// Takes the next ray of a plane.
+    fn take(&mut self, setup: &FrameSetup, ray: &mut SampleRay<Self::Input>);
+
+    /// Shades a slot whose neighbours have all been taken.
+    fn give(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut Self::Output);
+}
+
+/// ABC units for timing alone.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoShading;
+
+impl Shade for NoShading {
+    type Input = ();
+    type Output = ();
+
+    #[inline(always)]
+    fn take(&mut self, _: &FrameSetup, _: &mut SampleRay<()>) {}
+
+    #[inline(always)]
+    fn give(&mut self, _: &FrameSetup, _: usize, _: usize, _: &mut ()) {}
+}
+
+/// Samples of a plane: for each slot, in order of depth.
+type Plane = Vec<Vec<i32>>;
+
+/// The ABC units with their sample planes.
+#[derive(Clone, Debug)]
+pub struct Shader {
+    lanes: usize,
+    arithmetic: AbcLanes,
+    ring: Vec<Plane>,
+    first: Vec<Plane>,
+    /// Neighbourhood of the ray in hand: `[w][v][u]`, each by depth.
+    around: Vec<Vec<i32>>,
+    row: ShadedRow,
+    overflows: u64,
+}
+
+impl Shader {
+    /// Units for a frame. With `skip`, transparent stretches are not shaded, which changes no bit.
+    pub fn new(setup: &FrameSetup, lanes: usize, skip: bool) -> Shader {
+        let [slots, planes] = setup.geometry.slot_counts();
+        let empty: Plane = vec![Vec::new(); slots];
+        let kept = if setup.geometry.closes()[1] { planes.min(2) } else { 0 };
+        Shader {
+            lanes,
+            arithmetic: AbcLanes::new(setup, skip),
+            ring: vec![empty.clone(); RING],
+            first: vec![empty; kept],
+            around: vec![Vec::new(); 27],
+            row: ShadedRow::default(),
+            overflows: 0,
+        }
+    }
+
+    /// Words saturated so far.
+    pub fn overflows(&self) -> u64 {
+        self.overflows
+    }
+
+    fn samples(&self, plane: usize, slot: usize) -> &[i32] {
+        self.first.get(plane).unwrap_or(&self.ring[plane % RING])[slot].as_slice()
+    }
+
+    /// Fills one of the 27 neighbour rays: the samples at displacement (u, v, w), or the border.
+    fn neighbour(&mut self, setup: &FrameSetup, rays: &[DiscreteRay], by: [i64; 3], border: i32) {
+        let geometry = &setup.geometry;
+        let place = ((by[2] + 1) * 9 + (by[1] + 1) * 3 + by[0] + 1) as usize;
+        let mut row = std::mem::take(&mut self.around[place]);
+        row.clear();
+        for (k, ray) in rays.iter().enumerate() {
+            let ray = DiscreteRay { u: ray.u + by[0], v: ray.v + by[1] };
+            let depth = k as i64 + by[2];
+            row.push(if geometry.has_sample(ray, depth) {
+                let [plane, slot] = geometry.slot_of(ray);
+                self.samples(plane, slot)[depth as usize]
+            } else {
+                border
+            });
+        }
+        self.around[place] = row;
+    }
+}
+
+/// Whether a gradient method reads the neighbour at a displacement.
+fn reads(method: GradientMethod, by: [i64; 3]) -> bool {
+    let distance: i64 = by.iter().map(|x| x.abs()).sum();
+    match method {
+        GradientMethod::Six | GradientMethod::SixSheared => distance == 1,
+        GradientMethod::TwentySix | GradientMethod::TwentySixSheared => true,
+        GradientMethod::Ten | GradientMethod::TenNormalised => distance == 1 || (distance == 2 && by[2] != 0),
+        // Behind on the side of the eye's lower slopes, before on the other.
+        GradientMethod::Twelve => distance == 1 || (by[2] != 0 && by[0] * by[2] <= 0 && by[1] * by[2] <= 0),
+    }
+}
+
+impl Shade for Shader {
+    type Input = RaySamples;
+    type Output = ShadedSamples;
+
+    fn take(&mut self, setup: &FrameSetup, ray: &mut SampleRay<RaySamples>) {
+        let (plane, slot) = (ray.plane as usize, ray.slot as usize);
+        let (lanes, depths) = (self.lanes, setup.geometry.size[2]);
+        let place = &mut self.ring[plane % RING][slot];
+        place.clear();
+        place.extend((0..depths).map(|k| ray.data.samples[ray_lane(lanes, slot, k)]));
+        if let Some(kept) = self.first.get_mut(plane) {
+            kept[slot].clone_from(&self.ring[plane % RING][slot]);
+        }
+    }
+
+    fn give(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut ShadedSamples) {
+        let geometry = &setup.geometry;
+        let depths = geometry.size[2];
+        let rays: Vec<DiscreteRay> = (0..depths).map(|k| geometry.ray_in_slot(plane, slot, k)).collect();
+        let border = setup.gradient.map_or(0, |registers| registers.border);
+        self.neighbour(setup, &rays, [0; 3], border);
+        if let Some(registers) = &setup.gradient {
+            for place in 0..27 {
+                let by = [place % 3 - 1, place / 3 % 3 - 1, place / 9 - 1];
+                if by != [0; 3] && reads(registers.method, by) {
+                    self.neighbour(setup, &rays, by, border);
+                } else if by != [0; 3] {
+                    self.around[place as usize].resize(depths, 0);
+                }
+            }
+        } else {
+            for row in &mut self.around {
+                row.resize(depths, 0);
+            }
+        }
+        let mut row = std::mem::take(&mut self.row);
+        row.present.clear();
+        row.present.extend(rays.iter().enumerate().map(|(k, ray)| {
+            let inside = |clip: &cube3_host::HalfSpace| clip.distance.at(ray.u, ray.v, k as i64) >= 0;
+            u8::from(geometry.has_sample(*ray, k as i64) && setup.clips.iter().all(inside))
+        }));
+        let (around, rays) = (&self.around, &rays);
+        let arithmetic = &mut self.arithmetic;
+        vectorised(
+            #[inline(always)]
+            || {
+                let neighbour = |w: usize, v: usize, u: usize, k: usize| around[w * 9 + v * 3 + u][k];
+                let at = |k: usize| [rays[k].u, rays[k].v, k as i64];
+                arithmetic.shade(depths, neighbour, at, &mut row);
+            },
+        );
+        self.overflows += row.overflows;
+        output.0.clear();
+        output.0.resize(depths.div_ceil(self.lanes) * self.lanes, Shaded::default());
+        for k in 0..depths {
+            if row.present[k] != 0 {
+                output.0[ray_lane(self.lanes, slot, k)] = Shaded {
+                    present: true,
+                    sample: self.around[13][k],
+                    opacity: row.opacity[k],
+                    colour: [0, 1, 2].map(|i| row.colour[i][k]),
+                };
+            }
+        }
+        self.row = row;
+    }
+}
+
+/// Data sheet of the ABC units for one frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AbcSpec {
+    /// Cycles of a ray: ⌈n_w / lanes⌉.
+    pub ray_cycles: u64,
+    /// Ray slots of a plane.
+    pub slots: u64,
+    /// Planes of the frame.
+    pub planes: u64,
+    /// Whether the last slot's neighbour is the first, along u and along v.
+    pub closes: [bool; 2],
+    /// Whether rays wait for their neighbours at all.
+    pub buffered: bool,
+}
+
+impl AbcSpec {
+    /// The data sheet for a machine and the registers of a frame.
+    pub fn new(machine: &MachineSpec, setup: &FrameSetup) -> AbcSpec {
+        let [slots, planes] = setup.geometry.slot_counts();
+        AbcSpec {
+            ray_cycles: setup.geometry.size[2].div_ceil(machine.lanes) as u64,
+            slots: slots as u64,
+            planes: planes as u64,
+            closes: setup.geometry.closes(),
+            buffered: setup.gradient.is_some(),
+        }
+    }
+
+    /// The e-th slot to be shaded: plane and ray. Where the last is followed by the first, the first comes last.
+    #[inline]
+    pub fn order(&self, e: u64) -> [u64; 2] {
+        let turn = |i: u64, n: u64, closes: bool| {
+            if !(closes && self.buffered) {
+                i
+            } else if i + 1 == n {
+                0
+            } else {
+                i + 1
+            }
+        };
+        [turn(e / self.slots, self.planes, self.closes[1]), turn(e % self.slots, self.slots, self.closes[0])]
+    }
+
+    /// How many rays must have come before a slot can be shaded.
+    #[inline]
+    pub fn needed(&self, plane: u64, slot: u64) -> u64 {
+        if !self.buffered {
+            return plane * self.slots + slot + 1;
+        }
+        let last = |i: u64, n: u64, closes: bool| if closes && i == 0 { n - 1 } else { (i + 1).min(n - 1) };
+        last(plane, self.planes, self.closes[1]) * self.slots + last(slot, self.slots, self.closes[0]) + 1
+    }
+}
+
+/// The ABC unit.
+#[derive(Clone, Debug)]
+pub struct AbcUnit<A> {
+    spec: AbcSpec,
+    arithmetic: A,
+    state: State,
+    account: Account,
+}
+
+/// Where the two ports are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct State {
+    taken: u64,
+    given: u64,
+    take_spent: u64,
+    give_spent: u64,
+}
+
+impl<A: Shade> AbcUnit<A> {
+    /// The unit's name.
+    pub const NAME: &'static str = "abc";
+
+    /// Units at the start of a frame.
+    pub fn new(spec: AbcSpec, arithmetic: A) -> AbcUnit<A> {
+        AbcUnit { spec, arithmetic, state: State::default(), account: Account::default() }
+    }
+
+    /// One cycle: a ray is taken and a ray is given, at most.
+    #[inline]
+    pub fn tick(
+        &mut self,
+        setup: &FrameSetup,
+        samples: &mut Channel<SampleRay<A::Input>>,
+        shaded: &mut Channel<ShadedRay<A::Output>>,
+    ) {
+        let taken = self.take(setup, samples);
+        let given = self.give(setup, shaded);
+        let activity = match (taken, given) {
+            (Activity::Busy, _) | (_, Activity::Busy) => Activity::Busy,
+            (Activity::Blocked, _) | (_, Activity::Blocked) => Activity::Blocked,
+            _ => Activity::Starved,
+        };
+        self.account.record(activity);
+    }
+
+    #[inline]
+    fn take(&mut self, setup: &FrameSetup, samples: &mut Channel<SampleRay<A::Input>>) -> Activity {
+        let Some(ray) = samples.front() else {
+            return Activity::Starved;
+        };
+        if !self.has_buffer(u64::from(ray.plane)) {
+            return Activity::Blocked;
+        }
+        if self.state.take_spent + 1 < self.spec.ray_cycles {
+            self.state.take_spent += 1;
+            return Activity::Busy;
+        }
+        if let Some(ray) = samples.pop_slot() {
+            self.arithmetic.take(setup, ray);
+        }
+        self.state.take_spent = 0;
+        self.state.taken += 1;
+        Activity::Busy
+    }
+
+    /// Whether the ring has a buffer for a plane: the one above the plane being shaded is still needed.
+    #[inline]
+    fn has_buffer(&self, plane: u64) -> bool {
+        let [current, _] = self.spec.order(self.state.given);
+        let oldest = if self.spec.buffered { current.saturating_sub(1) } else { current };
+        plane < oldest + RING as u64
+    }
+
+    #[inline]
+    fn give(&mut self, setup: &FrameSetup, shaded: &mut Channel<ShadedRay<A::Output>>) -> Activity {
+        let [plane, slot] = self.spec.order(self.state.given);
+        if self.done() || self.state.taken < self.spec.needed(plane, slot) {
+            return Activity::Starved;
+        }
+        if self.state.give_spent + 1 < self.spec.ray_cycles {
+            self.state.give_spent += 1;
+            return Activity::Busy;
+        }
+        let Some(output) = shaded.push_slot() else {
+            return Activity::Blocked;
+        };
+        output.plane = plane as u32;
+        output.slot = slot as u32;
+        self.arithmetic.give(setup, plane as usize, slot as usize, &mut output.data);
+        self.state.give_spent = 0;
+        self.state.given += 1;
+        Activity::Busy
+    }
+
+    /// Whether every ray of the frame has been given.
+    pub fn done(&self) -> bool {
+        self.state.given == self.spec.slots * self.spec.planes
+    }
+
+    /// What stops the unit inside, when nothing moves.
+    pub fn inner_wait(&self, samples: &Channel<SampleRay<A::Input>>) -> Option<Wait> {
+        let ray = samples.front()?;
+        (!self.has_buffer(u64::from(ray.plane))).then(|| Wait {
+            unit: Self::NAME,
+            port: "sample planes".into(),
+            state: PortState::Full,
+            occupancy: RING,
+            capacity: RING,
+            upon: "cone",
+        })
+    }
+
+    /// The arithmetic, to ask what it counted.
+    pub fn arithmetic(&self) -> &A {
+        &self.arithmetic
+    }
+
+    /// What the unit did with its cycles.
+    pub fn account(&self) -> &Account {
+        &self.account
+    }
+}
