@@ -98,8 +98,8 @@ impl Head {
     /// What is needed within `radius` of `centre` for surfaces softened over `ramp`.
     fn near(&self, centre: DVec3, radius: f64, ramp: f64) -> Head {
         // Braincase: scalp outside, wall and fluid inside. Others: the change from hard to spongy bone.
-        let around = |solid: &Solid| solid.near(centre, radius, ramp + 12.0);
-        let near = |solid: &Solid| solid.near(centre, radius, ramp + 7.0);
+        let around = |solid: &Solid| solid.near(centre, radius, ramp + 10.0);
+        let near = |solid: &Solid| solid.near(centre, radius, ramp + 5.0);
         let mut head = Head {
             braincase: around(&self.braincase),
             openings: near(&self.openings),
@@ -359,7 +359,7 @@ mod tests {
                         let density = whole.density(p, RAMP_VOXELS * mm);
                         let error = (head.value(x, y, z) - density).abs();
                         // Half for the rounding; the rest where a blend reaches further than the block looks.
-                        assert!(error <= 0.6, "{error} at {p} mm, {size} voxels");
+                        assert!(error <= 0.51, "{error} at {p} mm, {size} voxels");
                     }
                 }
             }

@@ -101,12 +101,13 @@ impl Solid {
     /// The part of the solid that matters within `radius` of `centre`, correct for distances up to
     /// `reach`.
     pub fn near(&self, centre: DVec3, radius: f64, reach: f64) -> Solid {
-        // Twice the blend, as several blends in a row reach further than one.
-        let matters = |body: &Body, blend: f64| {
+        // A body is blended by its own step and by those after it, so the widest blend counts for all.
+        let blend = self.steps.iter().fold(0.0, |widest: f64, step| widest.max(step.2));
+        let matters = |body: &Body| {
             let (middle, size) = body.ball();
-            (middle - centre).length() <= size + radius + reach + 2.0 * blend
+            (middle - centre).length() <= size + radius + reach + blend
         };
-        Solid { steps: self.steps.iter().filter(|(_, body, blend)| matters(body, *blend)).copied().collect() }
+        Solid { steps: self.steps.iter().filter(|(_, body, _)| matters(body)).copied().collect() }
     }
 
     /// Whether there is nothing in it.
