@@ -8,7 +8,7 @@ use cube3_volume::{
 fn volume(sample_type: SampleType) -> Volume {
     let samples = match sample_type {
         SampleType::U8 => Samples::U8((0..24).map(|i| i * 11).collect()),
-        SampleType::I8 => Samples::I8((0..24).map(|i| i * 10 - 120).collect()),
+        SampleType::I8 => Samples::I8((0..24).map(|i| i8::MIN + i * 5).collect()),
         SampleType::U16 => Samples::U16((0..24).map(|i| i * 2849).collect()),
         SampleType::I16 => Samples::I16((0..24).map(|i| i16::MIN + i * 1400).collect()),
         SampleType::U32 => Samples::U32((0..24).map(|i| u32::MAX - i * 77_777_777).collect()),
