@@ -139,7 +139,7 @@ pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, pl
         cone: ConeRegisters {
             mode: scene.mode,
             leaves: machine.lanes,
-            opaque: quantise_unit(scene.transfer.opaque_alpha, words.accumulator_bits),
+            opaque: quantise_unit(scene.transfer.opaque_alpha, words.accumulator_bits).max(1),
             sum_weight: quantise_fraction(1.0 / geometry.size[2] as f64, ConeRegisters::WEIGHT_BITS),
         },
         geometry,

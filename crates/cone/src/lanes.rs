@@ -1,0 +1,396 @@
+//! The same reduction for one ray from any leaf of the circle, and for whole rows of rays at once.
+
+use crate::golden::{Node, combine};
+use cube3_abc::lanes::ShadedRow;
+use cube3_host::{ConeRegisters, DiscreteRay};
+use cube3_scene::Mode;
+use cube3_word::{Rounding, Words, unit_full};
+
+/// A stretch of one ray at a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Segment {
+    /// The ray.
+    pub ray: DiscreteRay,
+    /// Its samples so far.
+    pub node: Node,
+}
+
+/// A segmented reduction of one slot: the leaves of a circle from `start` on, each with the ray that it belongs to, and
+/// `of(place)` the leaf at a place of the circle. Each ray that has a leaf gives a segment, in order of depth.
+///
+/// Level by level, neighbours are paired relative to the start: the cross-links of the folded tree. A
+/// node joins the last segment of its left child with the first of its right one if they are of the same ray, and
+/// passes on the others.
+pub fn circle(count: usize, start: usize, of: impl Fn(usize) -> Segment, mode: Mode, words: &Words) -> Vec<Segment> {
+    let mut level: Vec<Vec<Segment>> = (0..count).map(|i| vec![of((start + i) % count)]).collect();
+    while level.len() > 1 {
+        let mut next = Vec::with_capacity(level.len().div_ceil(2));
+        let mut children = level.into_iter();
+        while let Some(mut left) = children.next() {
+            if let Some(right) = children.next() {
+                join(&mut left, right, mode, words);
+            }
+            next.push(left);
+        }
+        level = next;
+    }
+    level.pop().unwrap_or_default()
+}
+
+/// Appends the segments of what lies behind.
+pub fn join(left: &mut Vec<Segment>, right: Vec<Segment>, mode: Mode, words: &Words) {
+    let mut right = right.into_iter();
+    if let (Some(last), Some(first)) = (left.last_mut(), right.next()) {
+        if last.ray == first.ray {
+            last.node = combine(mode, last.node, first.node, words);
+        } else {
+            left.push(first);
+        }
+    }
+    left.extend(right);
+}
+
+/// A word of the accumulators in a lane: 32 bits where the accumulators have 16 at most, else 64.
+pub trait Accumulator: Copy + Default + PartialEq + Send + Sync {
+    /// From a word of at most 32 bits.
+    fn of(word: u32) -> Self;
+    /// As a wide word.
+    fn wide(self) -> u64;
+    /// Sum.
+    fn plus(self, other: Self) -> Self;
+    /// Product of unit words.
+    fn unit_mul(self, other: Self, factors: UnitFactors) -> Self;
+    /// `full − self`.
+    fn complement(self, full: u32) -> Self;
+}
+
+/// Constants of the unit product: see [`cube3_word::unit_mul`].
+#[derive(Clone, Copy, Debug)]
+pub struct UnitFactors {
+    bits: u32,
+    before: u32,
+    after: u32,
+}
+
+impl UnitFactors {
+    fn new(words: &Words) -> UnitFactors {
+        let bits = words.accumulator_bits;
+        match words.rounding {
+            Rounding::Nearest => UnitFactors { bits, before: 1 << (bits - 1), after: 0 },
+            Rounding::Truncate => UnitFactors { bits, before: 0, after: 1 },
+        }
+    }
+}
+
+macro_rules! accumulator {
+    ($word:ty) => {
+        impl Accumulator for $word {
+            #[inline(always)]
+            fn of(word: u32) -> Self {
+                word as $word
+            }
+            #[inline(always)]
+            fn wide(self) -> u64 {
+                self as u64
+            }
+            #[inline(always)]
+            fn plus(self, other: Self) -> Self {
+                self + other
+            }
+            #[inline(always)]
+            fn unit_mul(self, other: Self, factors: UnitFactors) -> Self {
+                let start = self * other + factors.before as $word;
+                (start + (start >> factors.bits) + factors.after as $word) >> factors.bits
+            }
+            #[inline(always)]
+            fn complement(self, full: u32) -> Self {
+                full as $word - self
+            }
+        }
+    };
+}
+
+accumulator!(u32);
+accumulator!(u64);
+
+/// A row of nodes: one for each ray from `start` on; rays beyond the row have nothing.
+#[derive(Clone, Debug, Default)]
+pub struct RowNode<T> {
+    /// Ray u of the first node.
+    pub start: i64,
+    /// Red, green, blue, opacity.
+    pub rgba: [Vec<T>; 4],
+    /// Sample words in minimum and maximum; empty in other modes. A ray with nothing has the word that never wins.
+    pub sample: Vec<i32>,
+}
+
+impl<T: Accumulator> RowNode<T> {
+    /// How many rays.
+    pub fn len(&self) -> usize {
+        self.rgba[3].len()
+    }
+
+    /// Whether no ray has anything.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    fn clear(&mut self) {
+        self.rgba.iter_mut().for_each(Vec::clear);
+        self.sample.clear();
+    }
+
+    fn end(&self) -> i64 {
+        self.start + self.len() as i64
+    }
+}
+
+/// The cone for whole rows: rows of leaves in order of depth in, a row of pixels out.
+#[derive(Clone, Debug)]
+pub struct ConeLanes<T> {
+    cone: ConeRegisters,
+    words: Words,
+    factors: UnitFactors,
+    stack: Vec<(u32, RowNode<T>)>,
+    sum: RowNode<T>,
+    in_chunk: usize,
+    pool: Vec<RowNode<T>>,
+}
+
+impl<T: Accumulator> ConeLanes<T> {
+    /// A cone with nothing in it.
+    pub fn new(cone: ConeRegisters, words: Words) -> ConeLanes<T> {
+        ConeLanes {
+            cone,
+            words,
+            factors: UnitFactors::new(&words),
+            stack: Vec::new(),
+            sum: RowNode { start: 0, rgba: Default::default(), sample: Vec::new() },
+            in_chunk: 0,
+            pool: Vec::new(),
+        }
+    }
+
+    fn empty(&mut self) -> RowNode<T> {
+        self.pool.pop().unwrap_or(RowNode { start: 0, rgba: Default::default(), sample: Vec::new() })
+    }
+
+    /// The next depth: `shaded` are the samples of the rays from `start` on, `sample(lane)` their words; none is a depth
+    /// without samples.
+    #[inline(always)]
+    pub fn push(&mut self, leaves: Option<(i64, &ShadedRow, impl Fn(usize) -> i32)>) {
+        let mut node = self.empty();
+        node.clear();
+        if let Some((start, shaded, sample)) = leaves {
+            self.leaves(start, shaded, sample, &mut node);
+        }
+        let mut level = 0;
+        while self.stack.last().is_some_and(|(top, _)| *top == level) {
+            if let Some((_, mut left)) = self.stack.pop() {
+                self.combine(&mut left, &node);
+                self.pool.push(std::mem::replace(&mut node, left));
+                level += 1;
+            }
+        }
+        self.stack.push((level, node));
+        self.in_chunk += 1;
+        if self.in_chunk == self.cone.leaves {
+            self.end_chunk();
+        }
+    }
+
+    /// Leaves of a row.
+    #[inline(always)]
+    fn leaves(&self, start: i64, shaded: &ShadedRow, sample: impl Fn(usize) -> i32, node: &mut RowNode<T>) {
+        let extreme = self.extreme();
+        let (from, to) = if extreme.is_some() { (0, shaded.opacity.len()) } else { shaded.span };
+        let n = to - from;
+        node.start = start + from as i64;
+        for row in &mut node.rgba {
+            row.resize(n, T::default());
+        }
+        let words = &self.words;
+        let bits = words.accumulator_bits;
+        let opacity = &shaded.opacity[from..to];
+        let [.., alpha] = &mut node.rgba;
+        let alpha = &mut alpha[..n];
+        let opaque = matches!(self.cone.mode, Mode::FirstOpaque | Mode::LastOpaque);
+        let full = unit_full(bits);
+        let widen = Resize::new(words.opacity_bits, bits);
+        for i in 0..n {
+            let word = widen.apply(opacity[i]);
+            let word = if !opaque {
+                word
+            } else if word >= self.cone.opaque && shaded.present[from + i] != 0 {
+                full
+            } else {
+                0
+            };
+            alpha[i] = T::of(word);
+        }
+        let widen = Resize::new(words.colour_bits, bits);
+        let [red, green, blue, alpha] = &mut node.rgba;
+        for (out, colour) in [red, green, blue].into_iter().zip(&shaded.colour) {
+            let (out, colour, alpha) = (&mut out[..n], &colour[from..to], &alpha[..n]);
+            for i in 0..n {
+                out[i] = T::of(widen.apply(colour[i])).unit_mul(alpha[i], self.factors);
+            }
+        }
+        if let Some(never) = extreme {
+            node.sample.clear();
+            node.sample.extend((0..n).map(|i| if shaded.present[i] != 0 { sample(i) } else { never }));
+        }
+    }
+
+    /// The sample word that never wins, in minimum and maximum.
+    fn extreme(&self) -> Option<i32> {
+        match self.cone.mode {
+            Mode::Maximum => Some(i32::MIN),
+            Mode::Minimum => Some(i32::MAX),
+            _ => None,
+        }
+    }
+
+    /// `left` becomes left and right together.
+    #[inline(always)]
+    fn combine(&self, left: &mut RowNode<T>, right: &RowNode<T>) {
+        if right.is_empty() {
+            return;
+        }
+        if left.is_empty() {
+            left.start = right.start;
+        }
+        self.cover(left, right.start, right.end());
+        let at = (right.start - left.start) as usize;
+        let n = right.len();
+        let [r, g, b, a] = &mut left.rgba;
+        let (r, g, b, a) = (&mut r[at..at + n], &mut g[at..at + n], &mut b[at..at + n], &mut a[at..at + n]);
+        let [r2, g2, b2, a2] = &right.rgba;
+        let (r2, g2, b2, a2) = (&r2[..n], &g2[..n], &b2[..n], &a2[..n]);
+        match self.cone.mode {
+            Mode::Composite => {
+                let full = unit_full(self.words.accumulator_bits);
+                let factors = self.factors;
+                for i in 0..n {
+                    let through = a[i].complement(full);
+                    r[i] = r[i].plus(through.unit_mul(r2[i], factors));
+                    g[i] = g[i].plus(through.unit_mul(g2[i], factors));
+                    b[i] = b[i].plus(through.unit_mul(b2[i], factors));
+                    a[i] = a[i].plus(through.unit_mul(a2[i], factors));
+                }
+            }
+            Mode::WeightedSum => {
+                for i in 0..n {
+                    r[i] = r[i].plus(r2[i]);
+                    g[i] = g[i].plus(g2[i]);
+                    b[i] = b[i].plus(b2[i]);
+                    a[i] = a[i].plus(a2[i]);
+                }
+            }
+            mode => {
+                let zero = T::default();
+                for i in 0..n {
+                    let wins = match mode {
+                        Mode::FirstOpaque => a[i] == zero,
+                        Mode::LastOpaque => a2[i] != zero,
+                        Mode::Maximum => right.sample[i] > left.sample[at + i],
+                        _ => right.sample[i] < left.sample[at + i],
+                    };
+                    if wins {
+                        (r[i], g[i], b[i], a[i]) = (r2[i], g2[i], b2[i], a2[i]);
+                        if let (Some(into), Some(from)) = (left.sample.get_mut(at + i), right.sample.get(i)) {
+                            *into = *from;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Widens a row to cover rays `from` to `to`.
+    #[inline(always)]
+    fn cover(&self, row: &mut RowNode<T>, from: i64, to: i64) {
+        let before = (row.start - from).max(0) as usize;
+        let after = (to - row.end()).max(0) as usize;
+        let never = self.extreme().unwrap_or(0);
+        let keeps_samples = self.extreme().is_some();
+        if before > 0 {
+            for part in &mut row.rgba {
+                part.splice(0..0, std::iter::repeat_n(T::default(), before));
+            }
+            if keeps_samples {
+                row.sample.splice(0..0, std::iter::repeat_n(never, before));
+            }
+            row.start -= before as i64;
+        }
+        if after > 0 {
+            let len = row.len() + after;
+            for part in &mut row.rgba {
+                part.resize(len, T::default());
+            }
+            if keeps_samples {
+                row.sample.resize(len, never);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn end_chunk(&mut self) {
+        self.in_chunk = 0;
+        while self.stack.len() > 1 {
+            if let (Some((_, right)), Some((level, mut left))) = (self.stack.pop(), self.stack.pop()) {
+                self.combine(&mut left, &right);
+                self.pool.push(right);
+                self.stack.push((level, left));
+            }
+        }
+        if let Some((_, tree)) = self.stack.pop() {
+            let mut sum =
+                std::mem::replace(&mut self.sum, RowNode { start: 0, rgba: Default::default(), sample: Vec::new() });
+            self.combine(&mut sum, &tree);
+            self.sum = sum;
+            self.pool.push(tree);
+        }
+    }
+
+    /// Ends the rays: `pixel(u, rgba)` for each ray that has anything; returns the words that were saturated. The cone is
+    /// empty again.
+    #[inline(always)]
+    pub fn finish(&mut self, mut pixel: impl FnMut(i64, [u32; 4])) -> u64 {
+        if self.in_chunk > 0 {
+            self.end_chunk();
+        }
+        let mut overflows = 0;
+        for i in 0..self.sum.len() {
+            let node = Node { present: true, sample: 0, rgba: [0, 1, 2, 3].map(|c| self.sum.rgba[c][i].wide()) };
+            let counted = crate::golden::pixel(node, &self.cone, &self.words);
+            overflows += u64::from(counted.overflows);
+            pixel(self.sum.start + i as i64, counted.value);
+        }
+        self.sum.clear();
+        overflows
+    }
+}
+
+/// [`cube3_word::unit_resize`] with its decisions made before: for widening by at most the width itself.
+#[derive(Clone, Copy, Debug)]
+struct Resize {
+    from: u32,
+    to: u32,
+    once: bool,
+}
+
+impl Resize {
+    fn new(from: u32, to: u32) -> Resize {
+        Resize { from, to, once: to >= from && to <= 2 * from && to <= 16 }
+    }
+
+    #[inline(always)]
+    fn apply(self, raw: u32) -> u32 {
+        if self.once {
+            (raw << self.from | raw) >> (2 * self.from - self.to)
+        } else {
+            cube3_word::unit_resize(raw, self.from, self.to)
+        }
+    }
+}
