@@ -75,13 +75,13 @@ impl AbcLanes {
         }
     }
 
-    /// Shades `n` samples. `neighbour(w, v, u, lane)` is the neighbourhood of a lane, each index 0 to 2 and 1 the lane itself;
-    /// `at(lane)` is the lane's (u, v, k). `out.present` must have `n` entries.
+    /// Shades `n` samples. `neighbour(w, v, u)` is a row of the neighbourhood, each index 0 to 2 and `neighbour(1, 1, 1)` the
+    /// samples themselves, with `n` lanes at least; `at(lane)` is the lane's (u, v, k). `out.present` must have `n` entries.
     #[inline(always)]
-    pub fn shade(
+    pub fn shade<'a>(
         &mut self,
         n: usize,
-        neighbour: impl Fn(usize, usize, usize, usize) -> i32 + Copy,
+        neighbour: impl Fn(usize, usize, usize) -> &'a [i32] + Copy,
         at: impl Fn(usize) -> [i64; 3] + Copy,
         out: &mut ShadedRow,
     ) {
@@ -93,7 +93,7 @@ impl AbcLanes {
             self.gradient_stage(0, n, neighbour);
             self.normal_stage(0, n);
         }
-        let span = self.table.opacity(n, neighbour, &self.row.magnitude, out);
+        let span = self.table.opacity(n, neighbour(1, 1, 1), &self.row.magnitude, out);
         out.span = if self.skip { span } else { (0, n) };
         let (from, to) = out.span;
         for colour in &mut out.colour {
@@ -108,7 +108,7 @@ impl AbcLanes {
             self.gradient_stage(from, to, neighbour);
             self.normal_stage(from, to);
         }
-        self.table.colour(from, to, neighbour, out);
+        self.table.colour(from, to, neighbour(1, 1, 1), out);
         match self.shading.take() {
             Some(Shading::Phong(phong)) => {
                 self.phong_stage(from, to, &phong);
@@ -154,7 +154,12 @@ impl AbcLanes {
     }
 
     #[inline(always)]
-    fn gradient_stage(&mut self, from: usize, to: usize, neighbour: impl Fn(usize, usize, usize, usize) -> i32 + Copy) {
+    fn gradient_stage<'a>(
+        &mut self,
+        from: usize,
+        to: usize,
+        neighbour: impl Fn(usize, usize, usize) -> &'a [i32] + Copy,
+    ) {
         let row = &mut self.row;
         row.overflow.resize(to.max(row.overflow.len()), 0);
         row.overflow[from..to].fill(0);
@@ -432,27 +437,20 @@ impl ClassifyLanes {
 
     /// Opacities of all lanes, and the span in which they are not 0.
     #[inline(always)]
-    fn opacity(
-        &self,
-        n: usize,
-        neighbour: impl Fn(usize, usize, usize, usize) -> i32,
-        magnitude: &[u32],
-        out: &mut ShadedRow,
-    ) -> (usize, usize) {
+    fn opacity(&self, n: usize, samples: &[i32], magnitude: &[u32], out: &mut ShadedRow) -> (usize, usize) {
         let width = self.packed.len();
         let packed = self.packed.as_slice();
-        let opacity = &mut out.opacity[..n];
+        let (opacity, samples) = (&mut out.opacity[..n], &samples[..n]);
         match self.rows {
             None => {
                 for lane in 0..n {
-                    opacity[lane] = packed[((neighbour(1, 1, 1, lane) as u32) >> self.shift) as usize] as u32 & 0xffff;
+                    opacity[lane] = packed[((samples[lane] as u32) >> self.shift) as usize] as u32 & 0xffff;
                 }
             }
             Some((shift, last)) => {
                 for lane in 0..n {
                     let row = (magnitude[lane] >> shift).min(last) as usize;
-                    opacity[lane] =
-                        self.opacity[row * width + ((neighbour(1, 1, 1, lane) as u32) >> self.shift) as usize];
+                    opacity[lane] = self.opacity[row * width + ((samples[lane] as u32) >> self.shift) as usize];
                 }
             }
         }
@@ -464,7 +462,7 @@ impl ClassifyLanes {
         }
         if !self.all {
             for lane in 0..n {
-                let word = neighbour(1, 1, 1, lane) as u32;
+                let word = samples[lane] as u32;
                 if word < self.threshold[0] || word > self.threshold[1] {
                     present[lane] = 0;
                     opacity[lane] = 0;
@@ -484,11 +482,11 @@ impl ClassifyLanes {
         neighbour: impl Fn(usize, usize, usize, usize) -> i32,
         out: &mut ShadedRow,
     ) {
-        let packed = self.packed.as_slice();
+        let (packed, samples) = (self.packed.as_slice(), &samples[from..to]);
         let [red, green, blue] = &mut out.colour;
         let (red, green, blue) = (&mut red[from..to], &mut green[from..to], &mut blue[from..to]);
         for lane in 0..to - from {
-            let entry = packed[((neighbour(1, 1, 1, from + lane) as u32) >> self.shift) as usize];
+            let entry = packed[((samples[lane] as u32) >> self.shift) as usize];
             red[lane] = (entry >> 16) as u32 & 0xffff;
             green[lane] = (entry >> 32) as u32 & 0xffff;
             blue[lane] = (entry >> 48) as u32;
@@ -531,10 +529,10 @@ impl GradientLanes {
     }
 
     #[inline(always)]
-    fn run(
+    fn run<'a>(
         &self,
         from: usize,
-        neighbour: impl Fn(usize, usize, usize, usize) -> i32 + Copy,
+        neighbour: impl Fn(usize, usize, usize) -> &'a [i32] + Copy,
         out: [&mut [i32]; 3],
         overflow: &mut [u32],
     ) {
@@ -553,18 +551,20 @@ impl GradientLanes {
 
     /// One method in one width: the compiler sees a loop without branches.
     #[inline(always)]
-    fn rows<const METHOD: u8, const WIDE: bool>(
+    fn rows<'a, const METHOD: u8, const WIDE: bool>(
         &self,
         from: usize,
-        neighbour: impl Fn(usize, usize, usize, usize) -> i32 + Copy,
+        neighbour: impl Fn(usize, usize, usize) -> &'a [i32] + Copy,
         out: [&mut [i32]; 3],
         overflow: &mut [u32],
     ) {
         let n = overflow.len();
         let [out_u, out_v, out_w] = out;
         let (out_u, out_v, out_w) = (&mut out_u[..n], &mut out_v[..n], &mut out_w[..n]);
+        let all: [[[&[i32]; 3]; 3]; 3] =
+            [0, 1, 2].map(|w| [0, 1, 2].map(|v| [0, 1, 2].map(|u| &neighbour(w, v, u)[from..from + n])));
         for lane in 0..n {
-            let s = |w: usize, v: usize, u: usize| neighbour(w, v, u, from + lane);
+            let s = |w: usize, v: usize, u: usize| all[w][v][u][lane];
             let mut d = self.differences::<METHOD, WIDE>(s);
             if let Some(scale) = self.scale {
                 for i in 0..3 {

@@ -183,7 +183,7 @@ impl Shade for Shader {
         vectorised(
             #[inline(always)]
             || {
-                let neighbour = |w: usize, v: usize, u: usize, k: usize| around[w * 9 + v * 3 + u][k];
+                let neighbour = |w: usize, v: usize, u: usize| around[w * 9 + v * 3 + u].as_slice();
                 let at = |k: usize| [rays[k].u, rays[k].v, k as i64];
                 arithmetic.shade(depths, neighbour, at, &mut row);
             },
@@ -286,14 +286,14 @@ impl<A: Shade> AbcUnit<A> {
         AbcUnit { spec, arithmetic, state: State::default(), account: Account::default() }
     }
 
-    /// One cycle: a ray is taken and a ray is given, at most.
+    /// One cycle: a ray is taken and a ray is given, at most. Returns whether anything moved.
     #[inline]
     pub fn tick(
         &mut self,
         setup: &FrameSetup,
         samples: &mut Channel<SampleRay<A::Input>>,
         shaded: &mut Channel<ShadedRay<A::Output>>,
-    ) {
+    ) -> bool {
         let taken = self.take(setup, samples);
         let given = self.give(setup, shaded);
         let activity = match (taken, given) {
@@ -301,7 +301,7 @@ impl<A: Shade> AbcUnit<A> {
             (Activity::Blocked, _) | (_, Activity::Blocked) => Activity::Blocked,
             _ => Activity::Starved,
         };
-        self.account.record(activity);
+        self.account.record(activity)
     }
 
     #[inline]

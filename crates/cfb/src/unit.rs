@@ -102,11 +102,11 @@ impl<F: Fetch> CfbUnit<F> {
         CfbUnit { spec, memory, state: State::default(), account: Account::default() }
     }
 
-    /// One cycle.
+    /// One cycle. Returns whether anything moved or a timer ran.
     #[inline]
-    pub fn tick(&mut self, setup: &FrameSetup, beams: &mut Channel<Beam<F::Output>>) {
+    pub fn tick(&mut self, setup: &FrameSetup, beams: &mut Channel<Beam<F::Output>>) -> bool {
         let activity = self.step(setup, beams);
-        self.account.record(activity);
+        self.account.record(activity)
     }
 
     #[inline]

@@ -42,15 +42,16 @@ pub struct Account {
 }
 
 impl Account {
-    /// Counts a cycle.
+    /// Counts a cycle; returns whether something moved in it or a timer ran.
     #[inline]
-    pub fn record(&mut self, activity: Activity) {
+    pub fn record(&mut self, activity: Activity) -> bool {
         match activity {
             Activity::Busy => self.busy += 1,
             Activity::Starved => self.starved += 1,
             Activity::Blocked => self.blocked += 1,
             Activity::Waiting(reason) => self.waiting[reason as usize] += 1,
         }
+        matches!(activity, Activity::Busy | Activity::Waiting(_))
     }
 
     /// All cycles counted.

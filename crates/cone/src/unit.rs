@@ -148,16 +148,16 @@ impl<R: Reduce> ConeUnit<R> {
         ConeUnit { spec, arithmetic, state: State::default(), account: Account::default() }
     }
 
-    /// One cycle.
+    /// One cycle. Returns whether anything moved or a timer ran.
     #[inline]
     pub fn tick(
         &mut self,
         setup: &FrameSetup,
         shaded: &mut Channel<ShadedRay<R::Input>>,
         pixels: &mut Channel<PixelGroup<R::Output>>,
-    ) {
+    ) -> bool {
         let activity = self.step(setup, shaded, pixels);
-        self.account.record(activity);
+        self.account.record(activity)
     }
 
     #[inline]

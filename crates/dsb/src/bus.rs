@@ -67,16 +67,16 @@ impl<B: Align> BusUnit<B> {
         BusUnit { cycles, wires, state: State::default(), account: Account::default() }
     }
 
-    /// One cycle.
+    /// One cycle. Returns whether anything moved or a timer ran.
     #[inline]
     pub fn tick(
         &mut self,
         setup: &FrameSetup,
         beams: &mut Channel<Beam<B::Input>>,
         aligned: &mut Channel<Beam<B::Output>>,
-    ) {
+    ) -> bool {
         let activity = self.step(setup, beams, aligned);
-        self.account.record(activity);
+        self.account.record(activity)
     }
 
     #[inline]

@@ -158,11 +158,11 @@ impl<S: Store> DsbUnit<S> {
     /// One cycle of both ports: a plane that is read out gives its buffer to the write port at once, and a plane
     /// that is full can be read from the next cycle on.
     #[inline]
-    pub fn tick(&mut self, aligned: &mut Channel<Beam<S::Input>>, rays: &mut Channel<RayPair<S::Output>>) {
+    pub fn tick(&mut self, aligned: &mut Channel<Beam<S::Input>>, rays: &mut Channel<RayPair<S::Output>>) -> bool {
         let read = self.read(rays);
-        self.read_account.record(read);
+        let moved = self.read_account.record(read);
         let write = self.write(aligned);
-        self.write_account.record(write);
+        self.write_account.record(write) | moved
     }
 
     #[inline]

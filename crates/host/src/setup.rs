@@ -112,7 +112,11 @@ pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, pl
     }
     let normal_needed = rows.is_some() || (lit && machine.abc.shading == ShadingUnit::Phong);
     if gradient_needed && !normal_needed && plan {
-        leave("normaliser", "the reflectance table reads the direction alone", "6 multipliers a lane and the root table".into());
+        leave(
+            "normaliser",
+            "the reflectance table reads the direction alone",
+            "6 multipliers a lane and the root table".into(),
+        );
     }
     let clips = clips(scene, &geometry);
     if clips.is_empty() && plan {

@@ -21,7 +21,9 @@ pub enum RaycastError {
         right: &'static str,
     },
     /// A geometry of another volume.
-    #[error("geometry: made for {made:?} voxels along u, v, w, the volume has {volume:?}; set the frame up for this volume")]
+    #[error(
+        "geometry: made for {made:?} voxels along u, v, w, the volume has {volume:?}; set the frame up for this volume"
+    )]
     Geometry {
         /// The geometry's size.
         made: [usize; 3],

@@ -65,8 +65,7 @@ pub(crate) struct Ray {
 }
 
 impl Ray {
-    pub const START: Ray =
-        Ray { colour: [0.0; 3], alpha: 0.0, transmittance: 1.0, chosen: None, done: false };
+    pub const START: Ray = Ray { colour: [0.0; 3], alpha: 0.0, transmittance: 1.0, chosen: None, done: false };
 
     /// Front to back.
     fn composite(&mut self, colour: [f64; 3], alpha: f64, stop_below: f64) {

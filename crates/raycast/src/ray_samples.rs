@@ -1,11 +1,11 @@
 //! Samples and gradients of single rays, taken one by one: for tests, metrics and questions.
 
+use crate::RaycastError;
 use crate::check::{check_geometry, check_volume};
 use crate::gradient::Estimator;
 use crate::interpolate::cell;
 use crate::steps::{Interpolation, Step, steps};
 use crate::voxels::Voxels;
-use crate::RaycastError;
 use cube3_host::{DiscreteRay, Geometry, GradientMethod};
 use cube3_volume::{Volume, with_samples};
 use glam::DVec3;
@@ -65,8 +65,7 @@ impl<'a> RaySamples<'a> {
     }
 
     fn estimate(&self, estimator: &Estimator, ray: DiscreteRay, k: i64) -> [f64; 3] {
-        estimator.gradient(|[i, j, l]| {
-            self.sample(DiscreteRay { u: ray.u + i, v: ray.v + j }, k + l).unwrap_or(self.border)
-        })
+        estimator
+            .gradient(|[i, j, l]| self.sample(DiscreteRay { u: ray.u + i, v: ray.v + j }, k + l).unwrap_or(self.border))
     }
 }

@@ -271,16 +271,16 @@ impl<I: Interpolate> TrilinUnit<I> {
         TrilinUnit { spec, arithmetic, state: State::default(), account: Account::default() }
     }
 
-    /// One cycle.
+    /// One cycle. Returns whether anything moved or a timer ran.
     #[inline]
     pub fn tick(
         &mut self,
         setup: &FrameSetup,
         rays: &mut Channel<RayPair<I::Input>>,
         samples: &mut Channel<SampleRay<I::Output>>,
-    ) {
+    ) -> bool {
         let activity = self.step(setup, rays, samples);
-        self.account.record(activity);
+        self.account.record(activity)
     }
 
     #[inline]
