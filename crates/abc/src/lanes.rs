@@ -475,13 +475,7 @@ impl ClassifyLanes {
     }
 
     #[inline(always)]
-    fn colour(
-        &self,
-        from: usize,
-        to: usize,
-        neighbour: impl Fn(usize, usize, usize, usize) -> i32,
-        out: &mut ShadedRow,
-    ) {
+    fn colour(&self, from: usize, to: usize, samples: &[i32], out: &mut ShadedRow) {
         let (packed, samples) = (self.packed.as_slice(), &samples[from..to]);
         let [red, green, blue] = &mut out.colour;
         let (red, green, blue) = (&mut red[from..to], &mut green[from..to], &mut blue[from..to]);
