@@ -58,9 +58,9 @@ pub struct Rendering {
 
 /// VolRen: casts a ray for every pixel of the picture.
 ///
-/// A ray runs through the box of the voxel centres, [0, n−1] along each axis. Its first sample is where it
-/// enters, the others follow at equal steps, up to and including the face where it leaves. Each sample stands for one whole step.
-/// Interpolation is trilinear; a gradient's component is the central difference of the values one voxel to
+/// A ray runs through the box of the voxel centres, [0, n−1] along each axis. Its first sample is where it enters,
+/// the others follow at equal steps, up to and including the face where it leaves. Each sample stands for one whole
+/// step. Interpolation is trilinear; a gradient's component is the central difference of the values one voxel to
 /// either side, over the voxels' distance in the world.
 ///
 /// # Errors
@@ -148,9 +148,8 @@ impl Line {
     /// Parameters at which the ray enters and leaves the box [0, n−1].
     fn clip(&self, dims: [usize; 3]) -> Option<[f64; 2]> {
         let mut range = [f64::NEG_INFINITY, f64::INFINITY];
-        for i in 0..3 {
-            let last = (dims[i] - 1) as f64;
-            let (origin, direction) = (self.origin[i], self.direction[i]);
+        for ((origin, direction), n) in self.origin.into_iter().zip(self.direction).zip(dims) {
+            let last = (n - 1) as f64;
             if direction.abs() < PARALLEL {
                 if origin < -ON_FACE || origin > last + ON_FACE {
                     return None;
@@ -228,8 +227,8 @@ impl<S: Sample> Grid<'_, S> {
         let (row, slice) = (self.dims[0], self.dims[0] * self.dims[1]);
         let first = (z as usize * self.dims[1] + y as usize) * self.dims[0] + x as usize;
         let voxels = &self.samples[first..first + slice + row + 2];
-        let corners = [0, slice].map(|z| [0, row].map(|y| [0, 1].map(|x| voxels[z + y + x].into())));
-        cell(corners, at.weights)
+        let pair = |from: usize| [voxels[from].into(), voxels[from + 1].into()];
+        cell([[pair(0), pair(row)], [pair(slice), pair(slice + row)]], at.weights)
     }
 
     #[cold]
@@ -261,13 +260,14 @@ impl<S: Sample> Probe for PlacedSample<'_, S> {
 
     /// Central differences: the same place in the cells one voxel to either side.
     fn gradient(&self) -> [f64; 3] {
-        [0, 1, 2].map(|i| {
+        let along = |axis: usize| {
             let beside = |by: isize| {
                 let mut cell = self.cell;
-                cell.corner[i] += by;
+                cell.corner[axis] += by;
                 self.grid.value(cell)
             };
-            (beside(1) - beside(-1)) * 0.5 / self.grid.per_voxel[i]
-        })
+            (beside(1) - beside(-1)) * 0.5 / self.grid.per_voxel[axis]
+        };
+        [along(0), along(1), along(2)]
     }
 }

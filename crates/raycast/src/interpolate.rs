@@ -8,8 +8,8 @@ pub(crate) fn lerp(near: f64, far: f64, weight: f64) -> f64 {
 
 /// Seven lerps in the machine's order: four along w, two along u, one along v.
 ///
-/// `corners[k][j][i]` is the voxel of plane k, row j, column i; the weights are along u, v, w. The four corners of the far plane need
-/// not lie behind those of the near one: that is all that sheared interpolation is.
+/// `corners[k][j][i]` is the voxel of plane k, row j, column i; the weights are along u, v, w. The four corners of the
+/// far plane need not lie behind those of the near one: that is all that sheared interpolation is.
 #[inline(always)]
 pub(crate) fn cell(corners: [[[f64; 2]; 2]; 2], weights: [f64; 3]) -> f64 {
     let [near, far] = corners;

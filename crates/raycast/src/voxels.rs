@@ -41,8 +41,8 @@ impl<'a, S: Sample> Voxels<'a, S> {
         self.samples[index as usize].into()
     }
 
-    /// Reads the beam along u at (v, w) into `beam`, n_u + 1 long: its last voxel stands there twice, as the far operand of
-    /// samples at the last column, which have no weight for it.
+    /// Reads the beam along u at (v, w) into `beam`, n_u + 1 long: its last voxel stands there twice, as the far
+    /// operand of samples at the last column, which have no weight for it.
     pub fn read_beam(&self, v: usize, w: usize, beam: &mut [f64]) {
         let from = self.first + v as isize * self.strides[1] + w as isize * self.strides[2];
         let n = self.size[0];

@@ -1,4 +1,5 @@
-//! The seven estimators: exact where they can be, wrong by the known shear where they cannot, and the paper's figure 15.
+//! The seven estimators: exact where they can be, wrong by the known shear where they cannot, and the paper's figure
+//! 15.
 
 mod common;
 
@@ -142,9 +143,9 @@ fn mean_angle_deg(ramp: f64, yaw_deg: f64, offset: f64, gradient: GradientMethod
     points.iter().map(|p| angle(p.gradient, DVec3::from(p.position))).sum::<f64>() / points.len() as f64
 }
 
-/// The table of the design, section 3, by an independent float prototype. It holds with bilinear samples (o = 0 at every angle, which
-/// 45° forces on the sample floor) and a smooth step of 2.2 voxels. With o = min(½, 1 − du) all but the first column
-/// does: the lerp along w smooths the noise of 0° from 3.3° down to 2.6°.
+/// The table of the design, section 3, by an independent float prototype. It holds with bilinear samples (o = 0 at
+/// every angle, which 45° forces on the sample floor) and a smooth step of 2.2 voxels. With o = min(½, 1 − du) all
+/// but the first column does: the lerp along w smooths the noise of 0° from 3.3° down to 2.6°.
 #[test]
 fn the_sphere_has_the_prototypes_errors() {
     let table = [

@@ -1,5 +1,5 @@
-//! What true and sheared interpolation must be: exact on affine fields, apart by a closed form on x·z, equal where the ray's
-//! columns do not move between planes.
+//! What true and sheared interpolation must be: exact on affine fields, apart by a closed form on x·z, equal where
+//! the ray's columns do not move between planes.
 
 mod common;
 
@@ -13,8 +13,8 @@ use glam::DVec3;
 const DIRECTIONS: [[f64; 3]; 6] =
     [[0.0, 1.0, 0.0], [0.3, 0.1, 1.0], [-0.9, 0.7, 1.0], [-1.0, 0.4, -0.2], [0.5, -1.0, 0.5], [1.0, 1.0, -1.0]];
 
-/// Every sample of every ray, with its canonical position; those that lie beyond the last voxel by less than a weight register
-/// can tell are left out.
+/// Every sample of every ray, with its canonical position; those that lie beyond the last voxel by less than a weight
+/// register can tell are left out.
 fn samples(geometry: &Geometry) -> Vec<(DiscreteRay, usize, [f64; 3])> {
     let [width, height] = geometry.base_plane_size();
     let mut all = Vec::new();
@@ -106,8 +106,11 @@ fn without_tilt_the_two_are_equal_at_0_and_45_degrees_and_apart_between() {
     let errors = angles.map(|yaw_deg| error(yaw_deg, Mode::WeightedSum));
     println!("{errors:.4?}");
     assert_eq!((errors[0], errors[7]), (0.0, 0.0));
-    assert!(errors[..5].windows(2).all(|pair| pair[0] < pair[1]), "rises to 33°: {errors:?}");
-    assert!(errors[4..].windows(2).all(|pair| pair[0] > pair[1]), "falls from 33°: {errors:?}");
+    // The error goes with du·o·(1−o), o = min(½, 1−du): a broad maximum from 24° to 37°.
+    let peak = (0..8).max_by(|&a, &b| errors[a].total_cmp(&errors[b])).unwrap();
+    assert!(peak == 3 || peak == 4, "{errors:?}");
+    assert!(errors[..=peak].windows(2).all(|pair| pair[0] < pair[1]), "rises: {errors:?}");
+    assert!(errors[peak..].windows(2).all(|pair| pair[0] > pair[1]), "falls: {errors:?}");
 }
 
 #[test]

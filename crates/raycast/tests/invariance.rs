@@ -1,0 +1,108 @@
+//! What must not change a bit: the 48 symmetries of the cube, and the number of threads.
+
+mod common;
+
+use common::{geometry_along, noise, scene_along};
+use cube3_host::{GradientMethod, TemplateRule};
+use cube3_raycast::{DiscreteOptions, ImageOrderOptions, Interpolation, discrete, image_order, sheared};
+use cube3_scene::{Mode, Scene, View};
+use cube3_volume::Volume;
+use glam::DVec3;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// The axes behind x, y, z of a turned volume, and which of them run backwards.
+struct Turn {
+    axis: [usize; 3],
+    reversed: [bool; 3],
+}
+
+fn all_turns() -> Vec<Turn> {
+    let axes = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+    let turn = |axis| (0..8).map(move |bits| Turn { axis, reversed: [0, 1, 2].map(|i| bits >> i & 1 == 1) });
+    axes.into_iter().flat_map(turn).collect()
+}
+
+impl Turn {
+    fn volume(&self, volume: &Volume) -> Volume {
+        let dims = self.axis.map(|a| volume.dims[a]);
+        let spacing = self.axis.map(|a| volume.spacing[a]);
+        Volume::from_fn(dims, spacing, |x, y, z| {
+            let at = [x, y, z];
+            let mut from = [0; 3];
+            for i in 0..3 {
+                from[self.axis[i]] = if self.reversed[i] { dims[i] - 1 - at[i] } else { at[i] };
+            }
+            volume.value(from[0], from[1], from[2]) as u8
+        })
+        .unwrap()
+    }
+
+    fn direction(&self, direction: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|i| if self.reversed[i] { -direction[self.axis[i]] } else { direction[self.axis[i]] })
+    }
+}
+
+#[test]
+fn the_48_symmetries_of_the_cube_hold_to_the_bit() {
+    // Powers of two, so that the length of the direction has no rounding that depends on the order of its squares.
+    let direction = [0.5, -1.0, 0.25];
+    for spacing in [[1.0; 3], [1.0, 1.25, 0.75]] {
+        let volume = noise([9, 8, 7], spacing, 21);
+        let render = |turn: &Turn, interpolation, mode, gradient| {
+            let volume = turn.volume(&volume);
+            let scene = Scene { mode, ..scene_along(turn.direction(direction)) };
+            let along = scene.view.frame().unwrap().direction;
+            let geometry = geometry_along(&volume, along, TemplateRule::SampleFloor, 0.5);
+            let options = DiscreteOptions { gradient, border: 0.0 };
+            discrete(&volume, &scene, &geometry, interpolation, &options, None).unwrap()
+        };
+        let same = Turn { axis: [0, 1, 2], reversed: [false; 3] };
+        for interpolation in [Interpolation::Exact, Interpolation::Sheared] {
+            for (gradient, name) in GradientMethod::ALL {
+                let first = render(&same, interpolation, Mode::Composite, gradient);
+                assert!(first.pixels.iter().filter(|pixel| pixel[3] > 0.5).count() > 40);
+                for turn in all_turns() {
+                    let turned = render(&turn, interpolation, Mode::Composite, gradient);
+                    assert_eq!(turned, first, "{name}, {:?} {:?}", turn.axis, turn.reversed);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let volume = noise([40, 41, 42], [1.0; 3], 5);
+    let scene = Scene { view: View::from_angles(33.0, -12.0), ..Scene::default() };
+    let direction = scene.view.frame().unwrap().direction;
+    let geometry = geometry_along(&volume, direction, TemplateRule::PlaneFloor, 0.5);
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let base = sheared(&volume, &scene, &geometry, &DiscreteOptions::default(), None).unwrap();
+            (base, image_order(&volume, &scene, &ImageOrderOptions::default(), None).unwrap())
+        })
+    };
+    let alone = on(1);
+    assert_eq!(on(2), alone);
+    assert_eq!(on(5), alone);
+}
+
+#[test]
+fn progress_counts_every_row() {
+    let volume = noise([20; 3], [1.0; 3], 5);
+    let scene = Scene { view: View::from_direction([0.3, 0.2, 1.0], None), ..Scene::default() };
+    let geometry = geometry_along(&volume, DVec3::new(0.3, 0.2, 1.0), TemplateRule::SampleFloor, 0.5);
+    let (calls, most) = (AtomicU64::new(0), AtomicU64::new(0));
+    let report = |done: u64| {
+        calls.fetch_add(1, Ordering::Relaxed);
+        most.fetch_max(done, Ordering::Relaxed);
+    };
+    let base = sheared(&volume, &scene, &geometry, &DiscreteOptions::default(), Some(&report)).unwrap();
+    assert_eq!(
+        (calls.swap(0, Ordering::Relaxed), most.swap(0, Ordering::Relaxed)),
+        (base.height as u64, base.height as u64)
+    );
+    let picture = image_order(&volume, &scene, &ImageOrderOptions::default(), Some(&report)).unwrap();
+    assert_eq!((calls.into_inner(), most.into_inner()), (picture.height as u64, 512));
+}
