@@ -118,9 +118,15 @@ pub fn normalise(gradient: [i32; 3], table: &Normaliser, words: &Words) -> Norma
     let unit = block.map(|a| ((a * reciprocal + (1 << (bits - 1))) >> bits).min(one));
     let direction = [0, 1, 2].map(|i| if gradient[i] < 0 { -(unit[i] as i32) } else { unit[i] as i32 });
     let length: u64 = (0..3).map(|i| u64::from(block[i]) * u64::from(unit[i])).sum();
-    // The block was shifted left by `zeros + bits − 32`, and the product has a fraction of `bits − 1`.
-    let back = zeros + 2 * bits - 33;
-    Normal { direction, magnitude: ((length + (1 << back >> 1)) >> back) as u32 }
+    Normal { direction, magnitude: magnitude(length, zeros, bits) }
+}
+
+/// The product of block and direction in the gradient's words: the block was shifted left by `zeros + bits − 32`, and the
+/// direction has a fraction of `bits − 1`. A gradient of 24 bits has 8 zeros; with 4 `bits` that is 17 bits to the left.
+#[inline(always)]
+pub(crate) fn magnitude(length: u64, zeros: u32, bits: u32) -> u32 {
+    let back = zeros + 2 * bits - 16;
+    (((length << 17) + (1 << back >> 1)) >> back) as u32
 }
 
 /// Diffuse and specular light on a sample: what multiplies its colour (fractions of `colour_bits`) and what is added

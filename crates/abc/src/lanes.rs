@@ -390,11 +390,10 @@ fn normalise(row: &mut Scratch, table: &Normaliser, words: &Words, from: usize, 
     if magnitude {
         for lane in 0..n {
             let sizes = gu[lane].unsigned_abs() | gv[lane].unsigned_abs() | gw[lane].unsigned_abs();
-            let back = (sizes | 1).leading_zeros() + 2 * bits - 33;
             let sum = u64::from(bu[lane]) * u64::from(du[from + lane].unsigned_abs())
                 + u64::from(bv[lane]) * u64::from(dv[from + lane].unsigned_abs())
                 + u64::from(bw[lane]) * u64::from(dw[from + lane].unsigned_abs());
-            length[from + lane] = ((sum + (1 << back >> 1)) >> back) as u32;
+            length[from + lane] = golden::magnitude(sum, (sizes | 1).leading_zeros(), bits);
         }
     }
 }

@@ -40,7 +40,9 @@ pub fn circle(count: usize, start: usize, of: impl Fn(usize) -> Segment, mode: M
 /// Appends the segments of what lies behind.
 pub fn join(left: &mut Vec<Segment>, right: Vec<Segment>, mode: Mode, words: &Words) {
     let mut right = right.into_iter();
-    if let (Some(last), Some(first)) = (left.last_mut(), right.next()) {
+    if let Some(last) = left.last_mut()
+        && let Some(first) = right.next()
+    {
         if last.ray == first.ray {
             last.node = combine(mode, last.node, first.node, words);
         } else {

@@ -1,0 +1,156 @@
+//! Whole rows have the golden bits: over all words, registers and tables, with and without what transparent samples do
+//! not need, in vectors and without.
+
+mod registers;
+
+use cube3_abc::golden::{Neighbourhood, Shaded, shade};
+use cube3_abc::lanes::{AbcLanes, ShadedRow};
+use cube3_host::{FrameSetup, GradientMethod, GradientRegisters};
+use cube3_word::{Rounding, Words, vectorised};
+use proptest::prelude::*;
+use registers::{Dice, frame, hosted_frame, neighbourhood};
+
+/// A row as it comes to the unit: neighbourhoods, rays and depths, and which lanes hold a sample of the volume.
+struct Row {
+    samples: Vec<Neighbourhood>,
+    at: Vec<[i64; 3]>,
+    inside: Vec<bool>,
+}
+
+fn row(dice: &mut Dice, setup: &FrameSetup, n: usize) -> Row {
+    let inside_all = dice.one_in(2);
+    Row {
+        samples: (0..n).map(|_| neighbourhood(dice, setup.words.sample_bits())).collect(),
+        at: (0..n).map(|_| [dice.within(-4096, 4095), dice.within(-4096, 4095), dice.within(0, 4095)]).collect(),
+        inside: (0..n).map(|_| inside_all || !dice.one_in(4)).collect(),
+    }
+}
+
+/// What the definition says of a row: samples and overflows.
+fn expected(row: &Row, setup: &FrameSetup) -> (Vec<Shaded>, u64) {
+    let mut overflows = 0;
+    let samples = (0..row.samples.len())
+        .map(|lane| {
+            let sample = row.samples[lane][1][1][1];
+            if !row.inside[lane] {
+                return Shaded { sample, ..Shaded::default() };
+            }
+            let counted = shade(&row.samples[lane], row.at[lane], setup);
+            overflows += u64::from(counted.overflows);
+            counted.value
+        })
+        .collect();
+    (samples, overflows)
+}
+
+fn run(lanes: &mut AbcLanes, row: &Row, setup: &FrameSetup, vectors: bool, out: &mut ShadedRow) {
+    let n = row.samples.len();
+    let rows: Vec<Vec<i32>> =
+        (0..27).map(|place| row.samples.iter().map(|s| s[place / 9][place / 3 % 3][place % 3]).collect()).collect();
+    out.present.clear();
+    out.present.extend((0..n).map(|lane| {
+        let [u, v, k] = row.at[lane];
+        u8::from(row.inside[lane] && setup.clips.iter().all(|clip| clip.distance.at(u, v, k) >= 0))
+    }));
+    let (rows, at) = (rows.as_slice(), row.at.as_slice());
+    let neighbour = |w: usize, v: usize, u: usize| rows[w * 9 + v * 3 + u].as_slice();
+    if vectors {
+        vectorised(
+            #[inline(always)]
+            || lanes.shade(n, neighbour, |lane| at[lane], out),
+        );
+    } else {
+        lanes.shade(n, neighbour, |lane| at[lane], out);
+    }
+}
+
+/// The lanes on rows of several lengths, one after the other, against the definition.
+fn assert_golden(setup: &FrameSetup, rows: &[Row]) {
+    for (skip, vectors) in [(false, false), (false, true), (true, false), (true, true)] {
+        let mut lanes = AbcLanes::new(setup, skip);
+        let mut out = ShadedRow::default();
+        for row in rows {
+            let (samples, overflows) = expected(row, setup);
+            run(&mut lanes, row, setup, vectors, &mut out);
+            for (lane, sample) in samples.iter().enumerate() {
+                let got = Shaded {
+                    present: out.present[lane] != 0,
+                    sample: sample.sample,
+                    opacity: out.opacity[lane],
+                    colour: [0, 1, 2].map(|i| out.colour[i][lane]),
+                };
+                assert_eq!(got, *sample, "lane {lane}, {:?}, skip {skip}, vectors {vectors}", row.samples[lane]);
+            }
+            assert_eq!(out.overflows, overflows, "skip {skip}, vectors {vectors}");
+            let first = samples.iter().position(|sample| sample.opacity > 0);
+            let last = samples.iter().rposition(|sample| sample.opacity > 0);
+            let opaque = first.zip(last).map_or((0, 0), |(first, last)| (first, last + 1));
+            assert_eq!(out.span, if skip { opaque } else { (0, samples.len()) });
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(3000))]
+
+    #[test]
+    fn rows_have_the_golden_bits_for_any_registers(seed: u64) {
+        let mut dice = Dice(seed);
+        let setup = frame(&mut dice);
+        let rows: Vec<Row> = [17, 70, 0, 5].into_iter().map(|n| row(&mut dice, &setup, n)).collect();
+        assert_golden(&setup, &rows);
+    }
+
+    #[test]
+    fn rows_have_the_golden_bits_for_the_hosts_registers(seed: u64) {
+        let mut dice = Dice(seed);
+        let setup = hosted_frame(&mut dice);
+        let rows: Vec<Row> = [33, 9].into_iter().map(|n| row(&mut dice, &setup, n)).collect();
+        assert_golden(&setup, &rows);
+    }
+}
+
+#[test]
+fn every_neighbourhood_of_one_bit_voxels() {
+    // The six neighbours and the sample itself take all 2^7 values; the corners follow them.
+    let all: Vec<Neighbourhood> = (0..128)
+        .map(|bits| {
+            let bit = |i: usize| bits >> i & 1;
+            let mut s = [[[bit(6); 3]; 3]; 3];
+            for (w, v, u, i) in [(1, 1, 0, 0), (1, 1, 2, 1), (1, 0, 1, 2), (1, 2, 1, 3), (0, 1, 1, 4), (2, 1, 1, 5)] {
+                s[w][v][u] = bit(i);
+            }
+            for (w, v, u) in [(2, 0, 0), (0, 2, 2), (2, 0, 1), (2, 1, 0), (0, 1, 2), (0, 2, 1)] {
+                s[w][v][u] = bit((w + v + u) % 7);
+            }
+            s
+        })
+        .collect();
+    let row = Row { at: vec![[0; 3]; 128], inside: vec![true; 128], samples: all };
+    for (method, _) in GradientMethod::ALL {
+        for rounding in [Rounding::Nearest, Rounding::Truncate] {
+            for weight_bits in 0..=2 {
+                for weights in 0..(1_u32 << weight_bits) + 1 {
+                    let mut dice = Dice(u64::from(weights));
+                    let lit = loop {
+                        let setup = frame(&mut dice);
+                        if setup.shading.is_some() && setup.clips.is_empty() && setup.words.voxel_bits == 1 {
+                            break setup;
+                        }
+                    };
+                    let words = Words { sample_fraction_bits: 0, weight_bits, rounding, table_bits: 1, ..lit.words };
+                    let words = Words { gradient_bits: 2, ..words };
+                    words.check().unwrap();
+                    let weights = [weights, (1 << weight_bits) - weights];
+                    let gradient = Some(GradientRegisters { method, weights, scale: None, border: 0 });
+                    let mut setup = FrameSetup { words, gradient, ..lit };
+                    setup.classification.index_shift = 0;
+                    setup.classification.colour.resize(2, [0; 3]);
+                    let rows = setup.classification.gradient_rows.map_or(1, |rows| rows.rows);
+                    setup.classification.opacity.resize(2 * rows as usize, 1);
+                    assert_golden(&setup, std::slice::from_ref(&row));
+                }
+            }
+        }
+    }
+}
