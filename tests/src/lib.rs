@@ -1,1 +1,188 @@
-//! Tests that cross crates.
+//! Random machines, scenes and volumes for the tests that cross crates.
+
+use cube3_host::{
+    Abc, Cfb, ChannelSize, Channels, Dsb, GradientMethod, MachineSpec, RaySlots, Rays, Reuse, ShadingUnit,
+    TemplateRule, Trilin, VolumeInfo,
+};
+use cube3_scene::{ColourPoint, Crop, Cut, DepthCue, Layer, Light, Material, Mode, Scene, Threshold, Transfer, View};
+use cube3_word::{Rounding, Words};
+use proptest::prelude::*;
+
+/// A small volume of voxel words.
+#[derive(Clone, Debug)]
+pub struct SmallVolume {
+    /// Voxels along x, y, z.
+    pub dims: [usize; 3],
+    /// Size of a voxel.
+    pub spacing: [f64; 3],
+    /// Words, x fastest.
+    pub words: Vec<u16>,
+}
+
+impl SmallVolume {
+    /// What the host needs to know; data values are 0 to 255.
+    pub fn info(&self) -> VolumeInfo {
+        VolumeInfo { dims: self.dims, spacing: self.spacing, window: [0.0, 255.0] }
+    }
+}
+
+/// Volumes of 1 to `most` voxels a side, of words below `2^bits`, cubes of unit voxels or not.
+pub fn volumes(most: usize, bits: u32) -> impl Strategy<Value = SmallVolume> {
+    let dims = prop_oneof![(1..=most).prop_map(|n| [n; 3]), [1..=most, 1..=most, 1..=most]];
+    let spacing = prop_oneof![3 => Just([1.0; 3]), 1 => [0.5..2.0_f64, 0.5..2.0_f64, 0.5..2.0_f64]];
+    (dims, spacing, any::<u64>()).prop_map(move |(dims, spacing, seed)| {
+        let mut state = seed | 1;
+        let words = (0..dims.iter().product::<usize>())
+            .map(|_| {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                ((state >> 33) as u32 & ((1 << bits) - 1)) as u16
+            })
+            .collect();
+        SmallVolume { dims, spacing, words }
+    })
+}
+
+/// Legal word lengths of every kind.
+pub fn words() -> impl Strategy<Value = Words> {
+    let first = (1_u32..=16, 0_u32..=10, 0_u32..=4, 0.0..=1.0_f64, 4_u32..=15, 0.0..=1.0_f64);
+    let second = (1_u32..=4, 1_u32..=16, 1_u32..=16, 1_u32..=32, any::<bool>());
+    let any = (first, second).prop_map(
+        |((voxel, weight, fraction, gradient, normal, table), (rows, colour, opacity, accumulator, truncate))| {
+            let pick = |part: f64, low: u32, high: u32| low + (part * f64::from(high - low)) as u32;
+            Words {
+                voxel_bits: voxel,
+                weight_bits: weight,
+                sample_fraction_bits: fraction,
+                gradient_bits: pick(gradient, 2, (voxel + fraction + 1).min(24)),
+                normal_bits: normal,
+                table_bits: pick(table, 1, (voxel + fraction).min(12)),
+                table_gradient_bits: rows,
+                colour_bits: colour,
+                opacity_bits: opacity,
+                accumulator_bits: accumulator,
+                rounding: if truncate { Rounding::Truncate } else { Rounding::Nearest },
+            }
+        },
+    );
+    prop_oneof![1 => Just(Words::default()), 3 => any]
+}
+
+/// Machines of every kind that can run, with 1 to 9 lanes.
+pub fn machines() -> impl Strategy<Value = MachineSpec> {
+    let methods = proptest::sample::select(GradientMethod::ALL.map(|(method, _)| method).to_vec());
+    let size = (1_usize..6, 1_u64..5).prop_map(|(capacity, latency)| ChannelSize { capacity, latency });
+    let channels = [size.clone(), size.clone(), size.clone(), size.clone(), size.clone(), size];
+    let rays = (any::<bool>(), any::<bool>(), 0.0..1.0_f64);
+    let rest = (
+        1_usize..=9,
+        [-3_i64..4, -3_i64..4, -3_i64..4],
+        2_usize..5,
+        proptest::sample::select(Reuse::ALL.to_vec()),
+        any::<bool>(),
+    );
+    (words(), methods, channels, rays, rest).prop_map(
+        |(words, gradient, channels, (padded, plane, offset), (lanes, skew, planes, reuse, table))| {
+            let [beams, aligned, rays, samples, shaded, pixels] = channels;
+            MachineSpec {
+                lanes,
+                words,
+                rays: Rays {
+                    slots: if padded { RaySlots::Padded } else { RaySlots::Wrapped },
+                    template: if plane { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
+                    offset,
+                },
+                cfb: Cfb { skew },
+                dsb: Dsb { planes },
+                trilin: Trilin { reuse },
+                abc: Abc {
+                    gradient,
+                    shading: if table { ShadingUnit::ReflectanceTable } else { ShadingUnit::Phong },
+                    power_bits: 10.min(words.normal_bits - 1),
+                    root_bits: 6,
+                    reflectance_bits: 3,
+                },
+                channel: Channels { beams, aligned, rays, samples, shaded, pixels },
+                ..MachineSpec::default()
+            }
+        },
+    )
+}
+
+/// View directions: along axes, at 45°, and anywhere.
+pub fn directions() -> impl Strategy<Value = [f64; 3]> {
+    let few = proptest::sample::select(vec![-1.0, 0.0, 1.0]);
+    let special = [few.clone(), few.clone(), few].prop_filter("a direction", |d| d.iter().any(|x| *x != 0.0));
+    let any = [-1.0..1.0_f64, -1.0..1.0_f64, -1.0..1.0_f64]
+        .prop_filter("a direction", |d| d.iter().map(|x| x * x).sum::<f64>() > 1e-3);
+    prop_oneof![1 => special, 3 => any]
+}
+
+/// Scenes with every mode and feature.
+pub fn scenes() -> impl Strategy<Value = Scene> {
+    let mode = proptest::sample::select(Mode::ALL.to_vec());
+    let vector = [-1.0..1.0_f64, -1.0..1.0_f64, 0.1..1.0_f64];
+    let colour = [0.0..=1.0_f64, 0.0..=1.0_f64, 0.0..=1.0_f64];
+    let light = (proptest::option::of(vector.clone()), colour.clone())
+        .prop_map(|(direction, colour)| Light { direction, colour });
+    let ramp = |seed: [f64; 4]| vec![[255.0 * seed[0] * 0.5, 0.0], [255.0 * (0.5 + seed[1] * 0.5), seed[2]]];
+    let unit = || 0.0..=1.0_f64;
+    let transfer = ([unit(), unit(), unit(), unit()], any::<bool>(), any::<bool>(), colour.clone(), 0.01..=1.0_f64)
+        .prop_map(move |(seed, two, correct, colour, opaque)| {
+            let mut transfer = Transfer {
+                opacity: ramp(seed),
+                colour: vec![
+                    ColourPoint { value: 0.0, rgb: colour },
+                    ColourPoint { value: 255.0, rgb: [1.0, colour[0], 0.5] },
+                ],
+                layers: Vec::new(),
+                opacity_correction: correct,
+                opaque_alpha: opaque,
+            };
+            if two {
+                let opacity = std::mem::take(&mut transfer.opacity);
+                transfer.layers = vec![
+                    Layer { gradient: 0.0, opacity: vec![[0.0, 0.0], [255.0, seed[3]]] },
+                    Layer { gradient: 200.0 * seed[3] + 1.0, opacity },
+                ];
+            }
+            transfer
+        });
+    let material = (any::<bool>(), unit(), unit(), unit(), 1.0..40.0_f64, any::<bool>()).prop_map(
+        |(shaded, ambient, diffuse, specular, shininess, two_sided)| Material {
+            shaded,
+            ambient,
+            diffuse,
+            specular,
+            shininess,
+            two_sided,
+        },
+    );
+    let cut = (vector, [0.0..6.0_f64, 0.0..6.0_f64, 0.0..6.0_f64])
+        .prop_map(|(normal, through_voxel)| Cut { normal, through_voxel });
+    let crop = [(0.0..3.0_f64, 3.0..7.0_f64), (0.0..3.0_f64, 3.0..7.0_f64), (0.0..3.0_f64, 3.0..7.0_f64)]
+        .prop_map(|sides| Crop { min_voxel: sides.map(|s| s.0), max_voxel: sides.map(|s| s.1) });
+    let cue = (unit(), unit()).prop_map(|(front, back)| DepthCue { front, back });
+    let threshold = (proptest::option::of(0.0..120.0_f64), proptest::option::of(130.0..255.0_f64))
+        .prop_map(|(low, high)| Threshold { low, high });
+    let cuts = proptest::collection::vec(cut, 0..3);
+    let rest = (
+        cuts,
+        proptest::option::weighted(0.3, crop),
+        proptest::option::weighted(0.3, cue),
+        proptest::option::weighted(0.3, threshold),
+    );
+    (mode, directions(), transfer, material, proptest::collection::vec(light, 0..3), rest).prop_map(
+        |(mode, direction, transfer, material, lights, (cuts, crop, depth_cue, threshold))| Scene {
+            mode,
+            view: View { direction: Some(direction), ..View::default() },
+            transfer,
+            material,
+            lights,
+            cuts,
+            crop,
+            depth_cue,
+            threshold,
+            ..Scene::default()
+        },
+    )
+}

@@ -155,9 +155,10 @@ impl<T> Channel<T> {
         self.counters.max_occupancy = self.counters.max_occupancy.max(held);
     }
 
-    /// Whether a token is still on its way, so that time alone will change something.
+    /// Whether a token was on its way in the cycle that the last commit ended, so that time alone will change, or has just
+    /// changed, what can be popped.
     pub fn in_flight(&self) -> bool {
-        (0..self.len).any(|i| self.ready[(self.head + i) & self.mask] > self.now)
+        (0..self.len).any(|i| self.ready[(self.head + i) & self.mask] >= self.now)
     }
 
     /// Tokens held, those on their way included.

@@ -1,0 +1,317 @@
+//! The machine put together.
+//!
+//! ```text
+//!   cfb ─[beams]─► bus ─[aligned]─► dsb ─[rays]─► trilin ─[samples]─► abc ─[shaded]─► cone ─[pixels]─► host
+//! ```
+
+use crate::fidelity::{Cycle, Fidelity, Timing};
+use crate::host_port::{Collector, HostPort, NoHost};
+use cube3_abc::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, Shader};
+use cube3_cfb::golden::Skew;
+use cube3_cfb::{Beam, CfbSpec, CfbUnit, Fetch, FrameBuffer, FrameBufferError, NoVoxels};
+use cube3_channel::{Account, Channel, ChannelCounters, ChannelError, Deadlock, PortState, Wait, diagnose};
+use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelGroup, Reduce, Reducer};
+use cube3_dsb::bus::{Align, BusUnit, NoBus};
+use cube3_dsb::{DsbSpec, DsbUnit, NoPlanes, PlaneStore, RayPair, Rotator, Store};
+use cube3_host::{BasePlane, ChannelSize, FrameSetup, MachineSpec};
+use cube3_trilin::{Interpolate, Interpolator, NoSamples, SampleRay, TrilinSpec, TrilinUnit};
+
+/// A machine with the registers of one frame.
+pub struct Machine<F: Fidelity> {
+    setup: FrameSetup,
+    cfb: CfbUnit<F::Cfb>,
+    bus: BusUnit<F::Bus>,
+    dsb: DsbUnit<F::Dsb>,
+    trilin: TrilinUnit<F::Trilin>,
+    abc: AbcUnit<F::Abc>,
+    cone: ConeUnit<F::Cone>,
+    host: HostPort<F::Host>,
+    beams: Channel<Beam<<F::Cfb as Fetch>::Output>>,
+    aligned: Channel<Beam<<F::Bus as Align>::Output>>,
+    rays: Channel<RayPair<<F::Dsb as Store>::Output>>,
+    samples: Channel<SampleRay<<F::Trilin as Interpolate>::Output>>,
+    shaded: Channel<ShadedRay<<F::Abc as Shade>::Output>>,
+    pixels: Channel<PixelGroup<<F::Cone as Reduce>::Output>>,
+    cycle: u64,
+    last_move: u64,
+}
+
+/// Why a machine cannot be built or run.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// A channel of the machine file.
+    #[error(transparent)]
+    Channel(#[from] ChannelError),
+    /// The frame buffer.
+    #[error(transparent)]
+    FrameBuffer(#[from] FrameBufferError),
+    /// Nothing can move.
+    #[error(transparent)]
+    Deadlock(#[from] Deadlock),
+}
+
+/// What a run has counted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RunCounters {
+    /// Cycles from the first fetch to the last pixel.
+    pub cycles: u64,
+    /// Beams read from the modules.
+    pub beams: u64,
+    /// Ray slots that went through the pipeline.
+    pub ray_slots: u64,
+    /// Cycles that the busiest port needs for its tokens alone.
+    pub steady_cycles: u64,
+    /// Each unit's name and account.
+    pub units: Vec<(&'static str, Account)>,
+    /// Each channel.
+    pub channels: Vec<ChannelReading>,
+}
+
+/// A channel at the end of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ChannelReading {
+    /// Name.
+    pub name: &'static str,
+    /// Tokens that fit.
+    pub capacity: usize,
+    /// Cycles from push to pop.
+    pub latency: u64,
+    /// Tokens still there.
+    pub occupancy: usize,
+    /// Counters.
+    pub counters: ChannelCounters,
+}
+
+impl<T> From<&Channel<T>> for ChannelReading {
+    fn from(channel: &Channel<T>) -> ChannelReading {
+        ChannelReading {
+            name: channel.name(),
+            capacity: channel.capacity(),
+            latency: channel.latency(),
+            occupancy: channel.occupancy(),
+            counters: channel.counters(),
+        }
+    }
+}
+
+/// The arithmetic of each unit, in pipeline order.
+struct Parts<F: Fidelity> {
+    cfb: F::Cfb,
+    bus: F::Bus,
+    dsb: F::Dsb,
+    trilin: F::Trilin,
+    abc: F::Abc,
+    cone: F::Cone,
+    host: F::Host,
+}
+
+fn channel<T: Default>(name: &'static str, size: ChannelSize) -> Result<Channel<T>, ChannelError> {
+    Channel::new(name, size.capacity, size.latency)
+}
+
+impl Machine<Timing> {
+    /// A machine without data.
+    ///
+    /// # Errors
+    /// A channel that cannot be built.
+    pub fn timing(machine: &MachineSpec, setup: FrameSetup) -> Result<Machine<Timing>, RunError> {
+        let parts = Parts {
+            cfb: NoVoxels,
+            bus: NoBus,
+            dsb: NoPlanes,
+            trilin: NoSamples,
+            abc: NoShading,
+            cone: NoPixels,
+            host: NoHost,
+        };
+        Ok(Machine::assemble(machine, setup, parts)?)
+    }
+}
+
+impl Machine<Cycle> {
+    /// A machine with a volume of voxel words (x fastest) in its frame buffer.
+    ///
+    /// # Errors
+    /// A channel that cannot be built, and a skew that needs too much memory.
+    pub fn cycle(
+        machine: &MachineSpec,
+        setup: FrameSetup,
+        dims: [usize; 3],
+        voxels: &[u16],
+    ) -> Result<Machine<Cycle>, RunError> {
+        let lanes = machine.lanes;
+        let skew = Skew { coefficients: machine.cfb.skew, lanes };
+        let parts = Parts {
+            cfb: FrameBuffer::new(skew, dims, voxels)?,
+            bus: Rotator { lanes },
+            dsb: PlaneStore::new(&setup.geometry, lanes, machine.dsb.planes),
+            trilin: Interpolator::new(&setup, lanes),
+            abc: Shader::new(&setup, lanes, true),
+            cone: Reducer::default(),
+            host: Collector { base: BasePlane::empty(&setup.geometry, setup.words.accumulator_bits) },
+        };
+        Ok(Machine::assemble(machine, setup, parts)?)
+    }
+
+    /// Words that were saturated, by wire.
+    pub fn overflows(&self) -> Overflows {
+        Overflows { shading: self.abc.arithmetic().overflows(), pixel: self.cone.arithmetic().overflows() }
+    }
+
+    /// The base plane.
+    pub fn into_base_plane(self) -> BasePlane {
+        self.host.into_collector().base
+    }
+}
+
+/// Words that were saturated, by wire.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Overflows {
+    /// Gradient components and lit colours of samples that are not transparent.
+    pub shading: u64,
+    /// Pixels of a weighted sum.
+    pub pixel: u64,
+}
+
+impl<F: Fidelity> Machine<F> {
+    fn assemble(machine: &MachineSpec, setup: FrameSetup, parts: Parts<F>) -> Result<Machine<F>, ChannelError> {
+        let geometry = &setup.geometry;
+        let sizes = &machine.channel;
+        Ok(Machine {
+            cfb: CfbUnit::new(CfbSpec::new(machine, geometry), parts.cfb),
+            bus: BusUnit::new(machine, geometry, parts.bus),
+            dsb: DsbUnit::new(DsbSpec::new(machine, geometry), parts.dsb),
+            trilin: TrilinUnit::new(TrilinSpec::new(machine, geometry), parts.trilin),
+            abc: AbcUnit::new(AbcSpec::new(machine, &setup), parts.abc),
+            cone: ConeUnit::new(ConeSpec::new(machine, &setup), parts.cone),
+            host: HostPort::new(parts.host),
+            beams: channel("beams", sizes.beams)?,
+            aligned: channel("aligned", sizes.aligned)?,
+            rays: channel("rays", sizes.rays)?,
+            samples: channel("samples", sizes.samples)?,
+            shaded: channel("shaded", sizes.shaded)?,
+            pixels: channel("pixels", sizes.pixels)?,
+            cycle: 0,
+            last_move: 0,
+            setup,
+        })
+    }
+
+    /// One cycle. Every unit ticks, each with the channels at its ends; then every channel commits.
+    #[inline]
+    fn tick(&mut self) -> bool {
+        let setup = &self.setup;
+        let mut moved = self.host.tick(setup, &mut self.pixels);
+        moved |= self.cone.tick(setup, &mut self.shaded, &mut self.pixels);
+        moved |= self.abc.tick(setup, &mut self.samples, &mut self.shaded);
+        moved |= self.trilin.tick(setup, &mut self.rays, &mut self.samples);
+        moved |= self.dsb.tick(&mut self.aligned, &mut self.rays);
+        moved |= self.bus.tick(setup, &mut self.beams, &mut self.aligned);
+        moved |= self.cfb.tick(setup, &mut self.beams);
+        self.commit();
+        moved
+    }
+
+    #[inline]
+    fn commit(&mut self) {
+        self.beams.commit();
+        self.aligned.commit();
+        self.rays.commit();
+        self.samples.commit();
+        self.shaded.commit();
+        self.pixels.commit();
+        self.cycle += 1;
+    }
+
+    /// Ray slots of the frame.
+    fn ray_slots(&self) -> u64 {
+        let [slots, planes] = self.setup.geometry.slot_counts();
+        slots as u64 * planes as u64
+    }
+
+    /// Runs the frame; `progress(done, all)` is called now and then with the slots at the host.
+    ///
+    /// # Errors
+    /// A machine that cannot move; nothing has been waited for longer than the longest channel latency.
+    pub fn run(&mut self, progress: &dyn Fn(u64, u64)) -> Result<(), Deadlock> {
+        let all = self.ray_slots();
+        while self.host.received() < all {
+            let moved = self.tick();
+            if moved {
+                self.last_move = self.cycle;
+            } else if !self.in_flight() {
+                return Err(self.deadlock());
+            }
+            if self.cycle % 8192 == 0 {
+                progress(self.host.received(), all);
+            }
+        }
+        progress(all, all);
+        Ok(())
+    }
+
+    fn in_flight(&self) -> bool {
+        self.beams.in_flight()
+            || self.aligned.in_flight()
+            || self.rays.in_flight()
+            || self.samples.in_flight()
+            || self.shaded.in_flight()
+            || self.pixels.in_flight()
+    }
+
+    /// Who waits for whom. Each port between two units is full, empty, or neither.
+    fn deadlock(&self) -> Deadlock {
+        fn between<T>(from: &'static str, channel: &Channel<T>, to: &'static str) -> Option<Wait> {
+            let (unit, state, upon) = if channel.front().is_none() {
+                (to, PortState::Empty, from)
+            } else if !channel.can_push() {
+                (from, PortState::Full, to)
+            } else {
+                return None;
+            };
+            let port = channel.name().to_owned();
+            Some(Wait { unit, port, state, occupancy: channel.occupancy(), capacity: channel.capacity(), upon })
+        }
+        let mut waits = self.dsb.inner_waits(&self.aligned);
+        waits.extend(self.abc.inner_wait(&self.samples));
+        let (write, read) = (DsbUnit::<F::Dsb>::WRITE, DsbUnit::<F::Dsb>::READ);
+        waits.extend(between("cfb", &self.beams, "bus"));
+        waits.extend(between("bus", &self.aligned, write));
+        waits.extend(between(read, &self.rays, "trilin"));
+        waits.extend(between("trilin", &self.samples, "abc"));
+        waits.extend(between("abc", &self.shaded, "cone"));
+        waits.extend(between("cone", &self.pixels, "host"));
+        diagnose(self.last_move, &waits)
+    }
+
+    /// The counters so far.
+    pub fn counters(&self) -> RunCounters {
+        let [write, read] = self.dsb.accounts();
+        let units = vec![
+            (CfbUnit::<F::Cfb>::NAME, *self.cfb.account()),
+            (BusUnit::<F::Bus>::NAME, *self.bus.account()),
+            (DsbUnit::<F::Dsb>::WRITE, *write),
+            (DsbUnit::<F::Dsb>::READ, *read),
+            (TrilinUnit::<F::Trilin>::NAME, *self.trilin.account()),
+            (AbcUnit::<F::Abc>::NAME, *self.abc.account()),
+            (ConeUnit::<F::Cone>::NAME, *self.cone.account()),
+            (HostPort::<F::Host>::NAME, *self.host.account()),
+        ];
+        let channels = vec![
+            ChannelReading::from(&self.beams),
+            ChannelReading::from(&self.aligned),
+            ChannelReading::from(&self.rays),
+            ChannelReading::from(&self.samples),
+            ChannelReading::from(&self.shaded),
+            ChannelReading::from(&self.pixels),
+        ];
+        RunCounters {
+            cycles: self.cycle,
+            beams: self.cfb.fetched(),
+            ray_slots: self.ray_slots(),
+            steady_cycles: units.iter().map(|(_, account)| account.active()).max().unwrap_or(0),
+            units,
+            channels,
+        }
+    }
+}
