@@ -1,0 +1,245 @@
+//! The ABC units' data sheet.
+//!
+//! A ray takes ⌈n_w / lanes⌉ cycles. With a gradient it leaves when the ray below and to the right has come: a plane and a ray
+//! later, and where slots close, the first of each plane and the first plane come last. Without one it leaves as it
+//! comes. The ring holds four planes.
+
+mod registers;
+
+use cube3_abc::{AbcSpec, AbcUnit, NoShading, RING, ShadedRay};
+use cube3_channel::{Account, Channel};
+use cube3_host::FrameSetup;
+use cube3_trilin::SampleRay;
+use registers::{Dice, frame};
+
+fn specs() -> impl Iterator<Item = AbcSpec> {
+    let closes = [[false, false], [false, true], [true, false], [true, true]];
+    (1..=6_u64).flat_map(move |slots| {
+        (1..=6_u64).flat_map(move |planes| {
+            closes.into_iter().flat_map(move |closes| {
+                [false, true].into_iter().map(move |buffered| AbcSpec {
+                    ray_cycles: 1,
+                    slots,
+                    planes,
+                    closes,
+                    buffered,
+                })
+            })
+        })
+    })
+}
+
+/// A frame through the unit: the cycle in which each ray left, with its plane and slot.
+struct Run {
+    left: Vec<(u64, [u64; 2])>,
+    account: Account,
+    cycles: u64,
+}
+
+/// Runs a frame with a ray offered every `every` cycles and taken away where `drained` says so of a cycle; until it
+/// is done, or nothing has moved for long.
+fn run(setup: &FrameSetup, spec: AbcSpec, every: u64, capacity: usize, drained: impl Fn(u64) -> bool) -> Run {
+    let mut unit = AbcUnit::new(spec, NoShading);
+    let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
+    let mut shaded = Channel::<ShadedRay<()>>::new("shaded", capacity, 1).unwrap();
+    let total = spec.slots * spec.planes;
+    let mut offered = 0;
+    let mut result = Run { left: Vec::new(), account: Account::default(), cycles: 0 };
+    let mut idle = 0;
+    while (result.left.len() as u64) < total {
+        let now = result.cycles;
+        if offered < total && now >= offered * every && samples.can_push() {
+            let ray = samples.push_slot().unwrap();
+            (ray.plane, ray.slot) = ((offered / spec.slots) as u32, (offered % spec.slots) as u32);
+            offered += 1;
+        }
+        let before = shaded.counters().pushes;
+        let moved = unit.tick(setup, &mut samples, &mut shaded);
+        if shaded.counters().pushes > before {
+            result.left.push((now, spec.order(before)));
+        }
+        if drained(now)
+            && let Some(ray) = shaded.pop()
+        {
+            let popped = shaded.counters().pops - 1;
+            assert_eq!([u64::from(ray.plane), u64::from(ray.slot)], spec.order(popped));
+        }
+        samples.commit();
+        shaded.commit();
+        result.cycles += 1;
+        idle = if moved { 0 } else { idle + 1 };
+        assert!(idle < 50, "stuck after {} of {total} rays: {spec:?}", result.left.len());
+    }
+    assert!(unit.done());
+    result.account = *unit.account();
+    assert_eq!(result.account.cycles(), result.cycles);
+    result
+}
+
+fn setup() -> FrameSetup {
+    frame(&mut Dice(0))
+}
+
+#[test]
+fn every_slot_is_shaded_once() {
+    for spec in specs() {
+        let total = spec.slots * spec.planes;
+        let mut seen = vec![0; total as usize];
+        for e in 0..total {
+            let [plane, slot] = spec.order(e);
+            seen[(plane * spec.slots + slot) as usize] += 1;
+        }
+        assert!(seen.iter().all(|&times| times == 1), "{spec:?}");
+    }
+}
+
+#[test]
+fn a_slot_needs_its_neighbours_and_nothing_that_comes_after_them() {
+    for spec in specs() {
+        let beside = |i: u64, n: u64, closes: bool| -> Vec<u64> {
+            let (before, after) = (i.checked_sub(1), Some(i + 1).filter(|&i| i < n));
+            let around = if closes { [Some((i + n - 1) % n), Some((i + 1) % n)] } else { [before, after] };
+            around.into_iter().flatten().chain([i]).collect()
+        };
+        for e in 0..spec.slots * spec.planes {
+            let [plane, slot] = spec.order(e);
+            let last = if spec.buffered {
+                let planes = beside(plane, spec.planes, spec.closes[1]);
+                let slots = beside(slot, spec.slots, spec.closes[0]);
+                planes.into_iter().max().unwrap() * spec.slots + slots.into_iter().max().unwrap()
+            } else {
+                plane * spec.slots + slot
+            };
+            assert_eq!(spec.needed(plane, slot), last + 1, "{spec:?}, plane {plane}, slot {slot}");
+        }
+    }
+}
+
+#[test]
+fn no_shape_of_frame_gets_stuck_with_four_planes() {
+    let setup = setup();
+    for spec in specs() {
+        for ray_cycles in [1, 3] {
+            let spec = AbcSpec { ray_cycles, ..spec };
+            run(&setup, spec, 1, 2, |_| true);
+            run(&setup, spec, 1, 1, |now| now % 7 == 0);
+        }
+    }
+}
+
+#[test]
+fn without_a_gradient_a_ray_leaves_as_it_comes() {
+    let setup = setup();
+    for ray_cycles in 1..5 {
+        let spec = AbcSpec { ray_cycles, slots: 4, planes: 3, closes: [true; 2], buffered: false };
+        let left = run(&setup, spec, 1, 2, |_| true).left;
+        for (e, (cycle, _)) in left.into_iter().enumerate() {
+            // It is at the input in cycle 1, taken after ray_cycles, given after as many, the two at once.
+            assert_eq!(cycle, (e as u64 + 2) * ray_cycles - 1, "ray {e}, {ray_cycles} cycles each");
+        }
+    }
+}
+
+#[test]
+fn the_first_ray_leaves_a_plane_and_a_ray_later_and_not_a_cycle_earlier() {
+    let setup = setup();
+    for slots in 1..7 {
+        for planes in 1..6 {
+            for (closes, buffered) in [([false; 2], true), ([true; 2], true), ([false; 2], false)] {
+                let spec = AbcSpec { ray_cycles: 1, slots, planes, closes, buffered };
+                let result = run(&setup, spec, 1, 2, |_| true);
+                let [plane, slot] = spec.order(0);
+                // Ray number m (from 0) is at the input in cycle m + 1, and given in the cycle in which it is taken.
+                assert_eq!(result.left[0].0, spec.needed(plane, slot), "{spec:?}");
+                let late = match (buffered, closes[0]) {
+                    (false, _) => 0,
+                    (true, true) if planes > 2 && slots > 2 => 2 * slots + 2,
+                    (true, true) => continue,
+                    (true, false) => u64::from(planes > 1) * slots + u64::from(slots > 1),
+                };
+                assert_eq!(result.left[0].0, 1 + late, "{spec:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn rays_leave_at_the_rate_of_the_lanes() {
+    let setup = setup();
+    for ray_cycles in 1..5 {
+        for closes in [[false; 2], [true; 2]] {
+            let spec = AbcSpec { ray_cycles, slots: 6, planes: 5, closes, buffered: true };
+            let result = run(&setup, spec, 1, 2, |_| true);
+            let steady = result.left.windows(2).all(|pair| pair[1].0 - pair[0].0 >= ray_cycles);
+            assert!(steady, "{ray_cycles}: {:?}", result.left);
+            // At the end of the frame nothing comes any more, and a ray leaves every ray_cycles.
+            let tail = &result.left[result.left.len() - 4..];
+            assert!(tail.windows(2).all(|pair| pair[1].0 - pair[0].0 == ray_cycles), "{tail:?}");
+        }
+    }
+}
+
+#[test]
+fn a_frame_that_never_stalls_takes_its_rays_and_its_fill() {
+    let setup = setup();
+    for (slots, planes) in [(5, 5), (1, 4), (7, 1), (2, 2)] {
+        let spec = AbcSpec { ray_cycles: 1, slots, planes, closes: [false; 2], buffered: true };
+        let result = run(&setup, spec, 1, 2, |_| true);
+        // The first cycle has no ray yet; then one is taken or given in every cycle.
+        let needed = spec.needed(0, 0);
+        assert_eq!(result.cycles, needed + slots * planes, "{slots} × {planes}");
+        assert_eq!(result.account, Account { starved: 1, busy: needed + slots * planes - 1, ..Account::default() });
+    }
+}
+
+#[test]
+fn a_unit_without_rays_is_starved_and_one_without_room_blocked() {
+    let setup = setup();
+    let spec = AbcSpec { ray_cycles: 1, slots: 3, planes: 2, closes: [false; 2], buffered: false };
+    let slow = run(&setup, spec, 10, 2, |_| true);
+    // Ray m comes in cycle 10·m + 1: 6 cycles of work in 52.
+    assert_eq!(slow.account, Account { busy: 6, starved: 46, ..Account::default() });
+    // Room for one, taken away in cycles 0, 10, 20 …: pushed in 1, and in each cycle after a pop. The unit takes on
+    // into its buffers, but does not work without a ray at the input.
+    let held = run(&setup, spec, 1, 1, |now| now % 10 == 0);
+    let left: Vec<u64> = held.left.iter().map(|(cycle, _)| *cycle).collect();
+    assert_eq!(left, [1, 11, 21, 31, 41, 51]);
+    assert_eq!(held.account.starved, 1);
+    // Busy while rays are taken (cycles 1 to 6) or given.
+    assert_eq!(held.account, Account { starved: 1, busy: 6 + 5, blocked: 52 - 12, ..Account::default() });
+}
+
+#[test]
+fn a_full_ring_stops_the_input_and_says_so() {
+    let setup = setup();
+    let spec = AbcSpec { ray_cycles: 1, slots: 2, planes: 9, closes: [false; 2], buffered: true };
+    let mut unit = AbcUnit::new(spec, NoShading);
+    let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
+    let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 1, 1).unwrap();
+    let mut offered = 0_u32;
+    for cycle in 0..40 {
+        if let Some(ray) = samples.push_slot() {
+            (ray.plane, ray.slot) = (offered / 2, offered % 2);
+            offered += 1;
+        }
+        let moved = unit.tick(&setup, &mut samples, &mut shaded);
+        samples.commit();
+        shaded.commit();
+        // Nothing leaves: the ray of plane RING is the first that does not fit.
+        assert_eq!(moved, (1..=2 * RING).contains(&cycle), "cycle {cycle}");
+        assert_eq!(unit.inner_wait(&samples).is_some(), cycle >= 2 * RING);
+    }
+    assert_eq!(samples.counters().pops, 2 * RING as u64);
+    let wait = unit.inner_wait(&samples).unwrap();
+    assert_eq!((wait.unit, wait.occupancy, wait.capacity, wait.upon), ("abc", RING, RING, "cone"));
+    // Plane 4 takes the buffer of plane 0 when plane 1, which needs it above, has been given.
+    while unit.inner_wait(&samples).is_some() {
+        assert!(shaded.counters().pushes < 4);
+        shaded.pop();
+        shaded.commit();
+        unit.tick(&setup, &mut samples, &mut shaded);
+        samples.commit();
+        shaded.commit();
+    }
+    assert_eq!(shaded.counters().pushes, 4);
+}
