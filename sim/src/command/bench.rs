@@ -1,0 +1,40 @@
+//! `cube3 bench`: speed on this machine, as ratios and as fractions of the hardware's limit.
+
+use super::on_threads;
+use super::run::print;
+use crate::bench::{Measurement, Plan, measure};
+use crate::problem::Outcome;
+use clap::Args;
+
+/// Arguments of `cube3 bench`.
+#[derive(Debug, Args)]
+pub struct BenchArguments {
+    /// Voxels a side of the volume for the function run.
+    #[arg(long, default_value_t = 256)]
+    size: usize,
+    /// Voxels a side of the volume for the timing run.
+    #[arg(long, default_value_t = 512)]
+    timing_size: usize,
+    /// Times that everything is measured; medians are printed.
+    #[arg(long, default_value_t = 5)]
+    repeats: usize,
+    /// Threads; all cores without it.
+    #[arg(long)]
+    threads: Option<usize>,
+}
+
+impl BenchArguments {
+    /// Measures and prints.
+    ///
+    /// # Errors
+    /// What went wrong, in words.
+    pub fn execute(self) -> Outcome<()> {
+        let plan = Plan { size: self.size, timing_size: self.timing_size, repeats: self.repeats.max(1) };
+        let rows = on_threads(self.threads, || measure(&plan))?;
+        let mut text = String::new();
+        for Measurement { what, value, unit, note } in rows {
+            text += &format!("{what:<44} {value:>12} {unit:<14} {note}\n");
+        }
+        print(&text)
+    }
+}

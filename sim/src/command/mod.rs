@@ -1,0 +1,120 @@
+//! The `cube3` command.
+
+mod bench;
+mod run;
+mod volume;
+
+use crate::problem::Outcome;
+use clap::{Parser, Subcommand};
+
+/// A cycle-approximate simulator of Cube-3, a real-time volume-rendering machine.
+///
+/// Without a command: `run`, on the built-in head phantom.
+#[derive(Debug, Parser)]
+#[command(version, about, max_term_width = 100)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// One frame: picture, throughput, stalls, error.
+    Run(Box<run::RunArguments>),
+    /// Look at, convert and make volumes.
+    Volume(volume::VolumeArguments),
+    /// Speed, as ratios and as fractions of the hardware's limit.
+    Bench(bench::BenchArguments),
+}
+
+impl Arguments {
+    /// Does what the arguments ask for.
+    ///
+    /// # Errors
+    /// What went wrong, in words.
+    pub fn execute(self) -> Outcome<()> {
+        match self.command {
+            None => run::RunArguments::defaults().execute(),
+            Some(Command::Run(arguments)) => arguments.execute(),
+            Some(Command::Volume(arguments)) => arguments.execute(),
+            Some(Command::Bench(arguments)) => arguments.execute(),
+        }
+    }
+}
+
+/// Options for files that do not say what they hold.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct RawArguments {
+    /// Size of a raw file, e.g. 256x256x99.
+    #[arg(long, value_parser = dims, value_name = "NXxNYxNZ")]
+    dims: Option<[usize; 3]>,
+    /// Type of a raw file: u8, i8, u16, i16, u32, i32, f32 or f64.
+    #[arg(long = "type", value_name = "TYPE")]
+    sample_type: Option<cube3_volume::SampleType>,
+    /// Byte order of a raw file: little or big.
+    #[arg(long)]
+    endian: Option<cube3_volume::Endian>,
+    /// Voxel size of a raw file, e.g. 1,1,2.
+    #[arg(long, value_parser = spacing, value_name = "SX,SY,SZ")]
+    spacing: Option<[f64; 3]>,
+    /// Bytes before the voxels of a raw file.
+    #[arg(long, value_name = "BYTES")]
+    skip: Option<u64>,
+}
+
+impl RawArguments {
+    /// Options for reading a volume.
+    ///
+    /// # Errors
+    /// Some of the options without the others.
+    fn read_options(&self) -> Outcome<cube3_volume::ReadOptions> {
+        let raw = match (self.dims, self.sample_type) {
+            (Some(dims), Some(sample_type)) => {
+                let mut layout = cube3_volume::RawLayout::new(dims, sample_type);
+                if let Some(endian) = self.endian {
+                    layout.endian = endian;
+                }
+                if let Some(spacing) = self.spacing {
+                    layout.spacing = spacing;
+                }
+                if let Some(skip) = self.skip {
+                    layout.skip_bytes = skip;
+                }
+                Some(layout)
+            }
+            (None, None) if self.endian.is_none() && self.spacing.is_none() && self.skip.is_none() => None,
+            _ => {
+                return Err(crate::problem::Problem::new(
+                    "--dims and --type go together: a raw file needs both, e.g. --dims 256x256x99 --type u8",
+                ));
+            }
+        };
+        Ok(cube3_volume::ReadOptions { raw, ..cube3_volume::ReadOptions::default() })
+    }
+}
+
+fn three<T: std::str::FromStr>(text: &str, separator: char, example: &str) -> Result<[T; 3], String> {
+    let parts: Result<Vec<T>, _> = text.split(separator).map(|part| part.trim().parse()).collect();
+    let parts = parts.ok().and_then(|parts| <[T; 3]>::try_from(parts).ok());
+    parts.ok_or_else(|| format!("give three numbers, e.g. {example}"))
+}
+
+fn dims(text: &str) -> Result<[usize; 3], String> {
+    three(text, 'x', "256x256x99")
+}
+
+fn spacing(text: &str) -> Result<[f64; 3], String> {
+    three(text, ',', "1,1,2")
+}
+
+/// Runs work on a pool of `threads`, or on all cores.
+///
+/// # Errors
+/// A pool that cannot be made, and what the work gives.
+fn on_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> Outcome<R> + Send) -> Outcome<R> {
+    match threads {
+        Some(0) => Err(crate::problem::Problem::new("--threads 0: give at least 1, or leave it out for all cores")),
+        Some(threads) => rayon::ThreadPoolBuilder::new().num_threads(threads).build()?.install(work),
+        None => work(),
+    }
+}

@@ -1,0 +1,231 @@
+//! `cube3 run`: one frame on the machine.
+
+use super::{RawArguments, on_threads};
+use crate::inputs;
+use crate::output::write_run;
+use crate::problem::{Outcome, Problem};
+use crate::run::{Reference, RunOptions, Runs, run_frame};
+use clap::{Args, Parser, ValueEnum};
+use cube3_host::{GradientMethod, MachineSpec, RaySlots, TemplateRule};
+use cube3_report::table;
+use cube3_scene::{Mode, Scene};
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Arguments of `cube3 run`.
+#[derive(Debug, Args)]
+pub struct RunArguments {
+    /// What to show.
+    #[arg(long, value_name = "FILE.toml")]
+    scene: Option<PathBuf>,
+    /// Machine file, or the name of a preset: cube3-128, cube3-256, cube3-512.
+    #[arg(long, value_name = "FILE.toml|NAME", default_value = "cube3-128")]
+    machine: String,
+    /// Volume: .nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd, or raw with --dims and --type.
+    #[arg(long, value_name = "FILE", conflicts_with = "phantom")]
+    volume: Option<PathBuf>,
+    /// Built-in volume: head, sphere, marschner-lobb, shepp-logan, shells, fog, engine or checker.
+    #[arg(long, value_name = "NAME")]
+    phantom: Option<String>,
+    /// Voxels along each side of the phantom.
+    #[arg(long, value_name = "VOXELS", conflicts_with = "volume")]
+    size: Option<usize>,
+    #[command(flatten)]
+    raw: RawArguments,
+    /// How a ray becomes a pixel: composite, first-opaque, last-opaque, maximum, minimum or weighted-sum.
+    #[arg(long)]
+    mode: Option<Mode>,
+    /// Degrees that the eye is turned about the vertical axis.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    yaw: Option<f64>,
+    /// Degrees that the eye is raised above the horizon.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    tilt: Option<f64>,
+    /// Gradient estimator: 6, 26, 10, 10n, 12, 6d or 26d.
+    #[arg(long, value_name = "NAME", value_parser = gradient)]
+    gradient: Option<GradientMethod>,
+    /// Whether rays share slots.
+    #[arg(long, value_enum)]
+    slots: Option<SlotsArgument>,
+    /// Where discrete rays take their floor.
+    #[arg(long, value_enum)]
+    template: Option<TemplateArgument>,
+    /// Which runs are made; "both" is timing and function side by side.
+    #[arg(long, value_enum, default_value_t)]
+    fidelity: FidelityArgument,
+    /// What the picture is measured against.
+    #[arg(long, value_enum, default_value_t)]
+    reference: ReferenceArgument,
+    /// Run every unit, also those that cannot change the picture.
+    #[arg(long)]
+    no_plan: bool,
+    /// Give voxels that are not finite the word 0, instead of refusing them.
+    #[arg(long)]
+    mask_non_finite: bool,
+    /// Threads; all cores without it.
+    #[arg(long)]
+    threads: Option<usize>,
+    /// Seed of everything random; written into the report.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Folder for report and pictures.
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// Print the default scene, commented, and stop.
+    #[arg(long)]
+    print_scene: bool,
+    /// Print the default machine, commented, and stop.
+    #[arg(long)]
+    print_machine: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum FidelityArgument {
+    #[default]
+    Both,
+    Timing,
+    Function,
+    Cycle,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum ReferenceArgument {
+    #[default]
+    ImageOrder,
+    True,
+    Sheared,
+    None,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum SlotsArgument {
+    Wrapped,
+    Padded,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum TemplateArgument {
+    SampleFloor,
+    PlaneFloor,
+}
+
+fn gradient(name: &str) -> Result<GradientMethod, String> {
+    let all = GradientMethod::ALL;
+    let names = || all.map(|(_, name)| name).join(", ");
+    all.iter()
+        .find(|(_, known)| *known == name)
+        .map(|(method, _)| *method)
+        .ok_or_else(|| format!("known are {}", names()))
+}
+
+/// The run command on its own, to take its defaults from.
+#[derive(Debug, Parser)]
+struct Alone {
+    #[command(flatten)]
+    run: RunArguments,
+}
+
+impl RunArguments {
+    /// The run that no arguments ask for.
+    pub fn defaults() -> RunArguments {
+        Alone::parse_from(["cube3"]).run
+    }
+
+    /// Runs the frame, prints the report and writes the files.
+    ///
+    /// # Errors
+    /// What went wrong, in words.
+    pub fn execute(self) -> Outcome<()> {
+        if self.print_scene {
+            return print(Scene::COMMENTED_DEFAULT);
+        }
+        if self.print_machine {
+            return print(MachineSpec::COMMENTED_DEFAULT);
+        }
+        let scene = self.scene()?;
+        let machine = self.machine()?;
+        let read = self.raw.read_options()?;
+        let options = RunOptions {
+            runs: match self.fidelity {
+                FidelityArgument::Both => Runs::Both,
+                FidelityArgument::Timing => Runs::Timing,
+                FidelityArgument::Function => Runs::Function,
+                FidelityArgument::Cycle => Runs::Cycle,
+            },
+            reference: match self.reference {
+                ReferenceArgument::ImageOrder => Reference::ImageOrder,
+                ReferenceArgument::True => Reference::True,
+                ReferenceArgument::Sheared => Reference::Sheared,
+                ReferenceArgument::None => Reference::None,
+            },
+            plan: !self.no_plan,
+            seed: self.seed,
+        };
+        let result = on_threads(self.threads, || {
+            let volume = inputs::volume(&scene, &machine, &read, self.mask_non_finite)?;
+            inputs::check_memory(&scene, volume.words.dims, &read)?;
+            print(&format!(
+                "{}: {} × {} × {}\n",
+                volume.source, volume.words.dims[0], volume.words.dims[1], volume.words.dims[2]
+            ))?;
+            print(&format!("{}\n", volume.conversion))?;
+            run_frame(&scene, &machine, &volume, &options)
+        })?;
+        print(&table(&result.report))?;
+        let written = write_run(&self.out, &result, &scene, &machine)?;
+        print(&format!("wrote {}\n", written.join(" ")))
+    }
+
+    fn scene(&self) -> Outcome<Scene> {
+        let mut scene = inputs::scene(self.scene.as_deref())?;
+        if let Some(path) = &self.volume {
+            scene.volume.file = Some(path.clone());
+            scene.volume.phantom = None;
+            scene.volume.size_voxels = None;
+        }
+        if self.phantom.is_some() || self.size.is_some() {
+            let before = std::mem::take(&mut scene.volume.phantom);
+            if self.phantom.is_none() && scene.volume.file.is_some() {
+                return Err(Problem::new(
+                    "--size is for phantoms, and the scene's volume is a file; give --phantom too, or leave --size out",
+                ));
+            }
+            scene.volume.file = None;
+            scene.volume.phantom = self.phantom.clone().or(before);
+            scene.volume.size_voxels = self.size.or(scene.volume.size_voxels);
+        }
+        if self.yaw.is_some() || self.tilt.is_some() {
+            scene.view.direction = None;
+            scene.view.up = None;
+        }
+        scene.view.yaw_deg = self.yaw.unwrap_or(scene.view.yaw_deg);
+        scene.view.tilt_deg = self.tilt.unwrap_or(scene.view.tilt_deg);
+        scene.mode = self.mode.unwrap_or(scene.mode);
+        scene.validate()?;
+        Ok(scene)
+    }
+
+    fn machine(&self) -> Outcome<MachineSpec> {
+        let mut machine = inputs::machine(&self.machine)?;
+        machine.abc.gradient = self.gradient.unwrap_or(machine.abc.gradient);
+        match self.slots {
+            Some(SlotsArgument::Wrapped) => machine.rays.slots = RaySlots::Wrapped,
+            Some(SlotsArgument::Padded) => machine.rays.slots = RaySlots::Padded,
+            None => {}
+        }
+        match self.template {
+            Some(TemplateArgument::SampleFloor) => machine.rays.template = TemplateRule::SampleFloor,
+            Some(TemplateArgument::PlaneFloor) => machine.rays.template = TemplateRule::PlaneFloor,
+            None => {}
+        }
+        Ok(machine)
+    }
+}
+
+/// Prints to standard output; a reader that has gone away is no problem.
+pub(super) fn print(text: &str) -> Outcome<()> {
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}

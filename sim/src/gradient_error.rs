@@ -1,0 +1,118 @@
+//! How far the machine's gradients are from the true ones, where the scene shows a surface.
+
+use cube3_abc::golden::{Neighbourhood, gradient};
+use cube3_host::{Basis, DiscreteRay, FrameSetup};
+use cube3_trilin::golden::{Weights, cell, lift};
+use cube3_volume::VoxelWords;
+use glam::DVec3;
+
+/// Most rays that are looked at: a grid of them, if there are more.
+const MOST_RAYS: usize = 16_384;
+
+/// Mean angle in degrees between the machine's gradient words and central differences of the exactly interpolated volume,
+/// at the first sample of each ray that the classification makes at least half opaque. None where no ray has
+/// one, or the frame has no gradient.
+pub fn mean_angle_deg(setup: &FrameSetup, volume: &VoxelWords) -> Option<f64> {
+    let registers = setup.gradient.as_ref()?;
+    let geometry = &setup.geometry;
+    let basis = Basis::new(geometry, volume.spacing, registers.method);
+    let [width, height] = geometry.base_plane_size();
+    let stride = (1..).find(|stride| width.div_ceil(*stride) * height.div_ceil(*stride) <= MOST_RAYS)?;
+    let machine = Samples { setup, volume };
+    let half = cube3_word::unit_full(setup.words.opacity_bits).div_ceil(2);
+    let mut pairs = Vec::new();
+    for row in (0..height).step_by(stride) {
+        for column in (0..width).step_by(stride) {
+            let ray =
+                DiscreteRay { u: column as i64 - geometry.shear_u() as i64, v: row as i64 - geometry.shear_v() as i64 };
+            let opaque = |k: &usize| {
+                machine.sample(ray, *k as i64).is_some_and(|sample| {
+                    setup.classification.opacity[(sample as u32 >> setup.classification.index_shift) as usize] >= half
+                })
+            };
+            if let Some(k) = (0..geometry.size[2]).find(opaque) {
+                let around: Neighbourhood = [0, 1, 2].map(|w| {
+                    [0, 1, 2].map(|v| {
+                        [0, 1, 2].map(|u| {
+                            let ray = DiscreteRay { u: ray.u + u - 1, v: ray.v + v - 1 };
+                            machine.sample(ray, k as i64 + w - 1).unwrap_or(registers.border)
+                        })
+                    })
+                });
+                let words = gradient(&around, registers, &setup.words).value;
+                let world = basis.world(&geometry.axes, words.map(f64::from));
+                let at = geometry.axes.voxel_position(geometry.size, geometry.sample_position(ray, k));
+                pairs.push((world.to_array(), true_gradient(volume, at).to_array()));
+            }
+        }
+    }
+    let error = cube3_metrics::mean_angle_deg(pairs).ok()?;
+    (error.count > error.degenerate).then_some(error.mean_deg)
+}
+
+/// Samples of the machine, one at a time.
+struct Samples<'a> {
+    setup: &'a FrameSetup,
+    volume: &'a VoxelWords,
+}
+
+impl Samples<'_> {
+    fn sample(&self, ray: DiscreteRay, k: i64) -> Option<i32> {
+        let geometry = &self.setup.geometry;
+        if !geometry.has_sample(ray, k) {
+            return None;
+        }
+        let k = k as usize;
+        let corners = [0, 1].map(|w| {
+            [0, 1].map(|v| {
+                [0, 1].map(|u| {
+                    let depth = k + w;
+                    let place = (depth < geometry.size[2]).then(|| {
+                        Some([geometry.column_at(ray.u + u, depth)?, geometry.row_at(ray.v + v, depth)?, depth])
+                    });
+                    place.flatten().map_or(0, |uvw| {
+                        let [x, y, z] = geometry.axes.voxel(geometry.size, uvw);
+                        lift(self.volume.word(x, y, z), &self.setup.words)
+                    })
+                })
+            })
+        });
+        let weights = Weights { w: geometry.offset, u: geometry.u.weights[k], v: geometry.v.weights[k] };
+        Some(cell(corners, weights, &self.setup.words))
+    }
+}
+
+/// Central differences, a voxel to either side, of the trilinear interpolation; in the world. Beyond the volume is word 0.
+fn true_gradient(volume: &VoxelWords, at: [f64; 3]) -> DVec3 {
+    let difference = |axis: usize| {
+        let moved = |by: f64| {
+            let mut place = at;
+            place[axis] += by;
+            trilinear(volume, place)
+        };
+        (moved(1.0) - moved(-1.0)) / (2.0 * volume.spacing[axis])
+    };
+    DVec3::new(difference(0), difference(1), difference(2))
+}
+
+fn trilinear(volume: &VoxelWords, at: [f64; 3]) -> f64 {
+    let corner = at.map(f64::floor);
+    let mut sum = 0.0;
+    for bits in 0..8 {
+        let mut weight = 1.0;
+        let mut place = [0; 3];
+        let mut inside = true;
+        for axis in 0..3 {
+            let far = bits >> axis & 1;
+            let part = at[axis] - corner[axis];
+            weight *= if far == 1 { part } else { 1.0 - part };
+            let index = corner[axis] as i64 + far;
+            inside &= (0..volume.dims[axis] as i64).contains(&index);
+            place[axis] = index as usize;
+        }
+        if inside && weight > 0.0 {
+            sum += weight * f64::from(volume.word(place[0], place[1], place[2]));
+        }
+    }
+    sum
+}

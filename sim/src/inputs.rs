@@ -1,0 +1,112 @@
+//! Scene, machine and volume of a run: files, presets and phantoms.
+
+use crate::problem::{Outcome, Problem};
+use cube3_host::{MachineSpec, VolumeInfo};
+use cube3_scene::{Scene, VolumeSource};
+use cube3_volume::{
+    ConversionReport, NonFiniteRule, Phantom, PhantomParams, ReadOptions, Volume, VoxelWords, WordConversion,
+    WordRounding,
+};
+use cube3_word::Rounding;
+use std::path::Path;
+
+/// Machines that have a name: name and file.
+pub const PRESETS: [(&str, &str); 3] = [
+    ("cube3-128", MachineSpec::COMMENTED_DEFAULT),
+    ("cube3-256", include_str!("../machines/cube3-256.toml")),
+    ("cube3-512", include_str!("../machines/cube3-512.toml")),
+];
+
+/// Reads a machine file, or takes a preset by its name.
+///
+/// # Errors
+/// No such file or preset, and what is wrong in the file.
+pub fn machine(name: &str) -> Outcome<MachineSpec> {
+    if let Some((name, text)) = PRESETS.iter().find(|(preset, _)| *preset == name) {
+        return Ok(MachineSpec::from_toml(text, name)?);
+    }
+    let text = std::fs::read_to_string(name).map_err(|error| {
+        let presets: Vec<&str> = PRESETS.iter().map(|(name, _)| *name).collect();
+        Problem::new(format!("{name}: {error}; give a machine file, or one of {}", presets.join(", ")))
+    })?;
+    Ok(MachineSpec::from_toml(&text, name)?)
+}
+
+/// A volume as data and as voxel words.
+pub struct LoadedVolume {
+    /// Where it comes from, for the report.
+    pub source: String,
+    /// The data.
+    pub data: Volume,
+    /// The machine's words.
+    pub words: VoxelWords,
+    /// How the one became the other.
+    pub conversion: ConversionReport,
+}
+
+impl LoadedVolume {
+    /// What the host needs to know.
+    pub fn info(&self) -> VolumeInfo {
+        VolumeInfo { dims: self.words.dims, spacing: self.words.spacing, window: self.words.window }
+    }
+}
+
+/// Reads or makes a scene's volume.
+///
+/// # Errors
+/// A file that cannot be read, a phantom that is not known.
+pub fn data(source: &VolumeSource, options: &ReadOptions) -> Outcome<(String, Volume)> {
+    if let Some(path) = &source.file {
+        return Ok((path.display().to_string(), cube3_volume::read(path, options)?));
+    }
+    let default = Scene::default().volume;
+    let name = source.phantom.clone().or(default.phantom).unwrap_or_default();
+    let size = source.size_voxels.or(default.size_voxels).unwrap_or(128);
+    let volume = name.parse::<Phantom>()?.generate(size, &PhantomParams::default())?;
+    Ok((format!("phantom {name}, {size} voxels a side"), volume))
+}
+
+/// Reads or makes a scene's volume, and converts it to a machine's voxel words.
+///
+/// # Errors
+/// As [`data`], and values that are not finite where `mask` is not set.
+pub fn volume(scene: &Scene, machine: &MachineSpec, options: &ReadOptions, mask: bool) -> Outcome<LoadedVolume> {
+    let (source, data) = data(&scene.volume, options)?;
+    let conversion = WordConversion {
+        window: scene.volume.window,
+        rounding: match machine.words.rounding {
+            Rounding::Nearest => WordRounding::Nearest,
+            Rounding::Truncate => WordRounding::Truncate,
+        },
+        non_finite: if mask { NonFiniteRule::Mask } else { NonFiniteRule::Refuse },
+    };
+    let (words, conversion) = data.to_words(machine.words.voxel_bits, &conversion)?;
+    Ok(LoadedVolume { source, data, words, conversion })
+}
+
+/// Refuses what would not fit into memory, before any is taken: base plane and pictures of a run.
+///
+/// # Errors
+/// More than the limit.
+pub fn check_memory(scene: &Scene, dims: [usize; 3], options: &ReadOptions) -> Outcome<()> {
+    let pixels = u64::from(scene.image.width_px) * u64::from(scene.image.height_px);
+    let voxels: u64 = dims.iter().map(|&n| n as u64).product();
+    // Pictures: four of three doubles and four of three bytes. A turned copy of the words; a base plane of four times a face.
+    let face = dims.iter().map(|&n| n as u64).max().unwrap_or(0).pow(2);
+    let bytes = pixels * (4 * 24 + 12) + voxels * 2 + 4 * face * (16 + 32);
+    let limit = options.limit();
+    if bytes > limit {
+        return Err(Problem::new(format!(
+            "this run would take {bytes} bytes of memory beyond the volume, and {limit} are free: lower image.width_px and image.height_px, or crop the volume"
+        )));
+    }
+    Ok(())
+}
+
+/// Reads a scene file, or takes the default scene.
+///
+/// # Errors
+/// What is wrong in the file.
+pub fn scene(path: Option<&Path>) -> Outcome<Scene> {
+    Ok(path.map_or_else(|| Ok(Scene::default()), Scene::read)?)
+}
