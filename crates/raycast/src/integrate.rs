@@ -103,7 +103,7 @@ impl<'a> Integrator<'a> {
             cue: scene.depth_cue.as_ref().map(|cue| LinearCue::new(cue, volume, view)),
             clipped: scene.crop.is_some() || !scene.cuts.is_empty(),
             clear_below: clear_below(&scene.transfer),
-            corrects: scene.mode == Mode::Composite && scene.transfer.opacity_correction,
+            corrects: scene.transfer.opacity_correction,
             corrected: (0.0, 0.0),
         }
     }

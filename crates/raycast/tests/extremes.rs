@@ -215,3 +215,34 @@ fn parts_that_do_not_fit_are_refused() {
     let message = image_order(&flat, &Scene::default(), &ImageOrderOptions::default(), None).unwrap_err().to_string();
     assert!(message.contains("voxel spacing"), "{message}");
 }
+
+#[test]
+fn a_view_along_an_axis_takes_every_voxel_once_whatever_rounding_does_at_the_faces() {
+    for spacing in [1.0, 0.1, 0.3, 0.7, 1.0 / 3.0] {
+        for n in [2, 3, 8, 11, 12] {
+            let volume = noise([n; 3], [spacing; 3], 2);
+            for direction in [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]] {
+                let image = one_voxel_a_pixel(n as u32, n as u32);
+                let scene = Scene { image, mode: Mode::Maximum, ..scene_along(direction) };
+                for parts in [1, 3, 10] {
+                    let options = ImageOrderOptions { step_voxel: 1.0 / parts as f64, ..ImageOrderOptions::default() };
+                    let picture = image_order(&volume, &scene, &options, None).unwrap();
+                    let samples = n * n * ((n - 1) * parts + 1);
+                    assert_eq!(picture.samples, samples as u64, "{n}³ voxels of {spacing}, {parts} steps each");
+                }
+            }
+        }
+    }
+    // Spacings whose ratios are whole but for rounding: the last sample is on the far face all the same.
+    for n in 2..40 {
+        for (spacing, ratio) in [([0.1, 0.3, 0.7], 3), ([0.1, 0.7, 0.3], 7), ([1.1, 3.3, 1.1], 3)] {
+            let volume = noise([3, n, 3], spacing, 2);
+            let scene = Scene { image: one_voxel_a_pixel(1, 1), mode: Mode::Maximum, ..scene_along([0.0, 1.0, 0.0]) };
+            for parts in [1, 3, 10] {
+                let options = ImageOrderOptions { step_voxel: 1.0 / parts as f64, ..ImageOrderOptions::default() };
+                let picture = image_order(&volume, &scene, &options, None).unwrap();
+                assert_eq!(picture.samples, ((n - 1) * ratio * parts + 1) as u64, "{n} voxels of {spacing:?}");
+            }
+        }
+    }
+}
