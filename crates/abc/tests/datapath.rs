@@ -69,7 +69,7 @@ fn assert_slot(seed: u64, setup: &FrameSetup, lanes: usize, ray: &ShadedRay<Shad
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1500))]
+    #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn a_frame_through_the_unit_has_the_golden_bits(seed: u64, lanes in 1_usize..12, skip: bool, slow in 1_u64..4) {

@@ -91,7 +91,7 @@ fn assert_golden(setup: &FrameSetup, rows: &[Row]) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(3000))]
+    #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn rows_have_the_golden_bits_for_any_registers(seed: u64) {

@@ -104,6 +104,8 @@ fn along_an_axis_the_normal_is_one_and_the_magnitude_exact() {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
     /// Block shift, reciprocal and rounding, of gradients as wide as they come: the block loses less than one of its units.
     #[test]
     fn wide_gradients_keep_length_and_direction(
