@@ -37,19 +37,11 @@ impl<'a> CanonicalVolume<'a> {
         let plane = size[0] * size[1];
         let mut turned = vec![0; voxels.len()];
         turned.par_chunks_mut(plane * BLOCK).enumerate().for_each(|(block, planes)| {
-            let depths = planes.len() / plane;
-            for v0 in (0..size[1]).step_by(BLOCK) {
-                for u0 in (0..size[0]).step_by(BLOCK) {
-                    for w in 0..depths {
-                        for v in v0..(v0 + BLOCK).min(size[1]) {
-                            let row = first + (block * BLOCK + w) as i64 * step[2] + v as i64 * step[1];
-                            let end = (u0 + BLOCK).min(size[0]);
-                            for (u, voxel) in planes[w * plane + v * size[0]..][u0..end].iter_mut().enumerate() {
-                                *voxel = voxels[(row + (u0 + u) as i64 * step[0]) as usize];
-                            }
-                        }
-                    }
-                }
+            let start = first + (block * BLOCK) as i64 * step[2];
+            if axes.axis[0] == 0 {
+                rows(voxels, start, step, size, planes);
+            } else {
+                blocks(voxels, start, step, size, planes);
             }
         });
         CanonicalVolume { size, voxels: Cow::Owned(turned) }
@@ -58,6 +50,51 @@ impl<'a> CanonicalVolume<'a> {
     fn row(&self, v: usize, w: usize) -> &[u16] {
         let start = (w * self.size[1] + v) * self.size[0];
         &self.voxels[start..start + self.size[0]]
+    }
+}
+
+/// Turns planes whose rows lie along x in the source too, forwards or backwards.
+fn rows(voxels: &[u16], start: i64, step: [i64; 3], size: [usize; 3], planes: &mut [u16]) {
+    let n = size[0];
+    for (i, row) in planes.chunks_mut(n).enumerate() {
+        let first = start + (i / size[1]) as i64 * step[2] + (i % size[1]) as i64 * step[1];
+        if step[0] == 1 {
+            row.copy_from_slice(&voxels[first as usize..first as usize + n]);
+        } else {
+            let source = &voxels[first as usize + 1 - n..=first as usize];
+            for (voxel, from) in row.iter_mut().zip(source.iter().rev()) {
+                *voxel = *from;
+            }
+        }
+    }
+}
+
+/// Turns planes whose rows lie across x: x runs along v or along w, and blocks of it are read and written together.
+fn blocks(voxels: &[u16], start: i64, step: [i64; 3], size: [usize; 3], planes: &mut [u16]) {
+    let plane = size[0] * size[1];
+    let depths = planes.len() / plane;
+    // The axis along which the source is contiguous, how many voxels, and the stride of the result along it.
+    let (along, count, stride) = if step[1].abs() == 1 { (1, size[1], size[0]) } else { (2, depths, plane) };
+    let (other, others, other_stride) = if along == 1 { (2, depths, plane) } else { (1, size[1], size[0]) };
+    for a0 in (0..count).step_by(BLOCK) {
+        let width = BLOCK.min(count - a0);
+        for o in 0..others {
+            for u in 0..size[0] {
+                let from = start + u as i64 * step[0] + o as i64 * step[other] + a0 as i64 * step[along];
+                let place = u + o * other_stride + a0 * stride;
+                if step[along] == 1 {
+                    let source = &voxels[from as usize..from as usize + width];
+                    for (i, voxel) in source.iter().enumerate() {
+                        planes[place + i * stride] = *voxel;
+                    }
+                } else {
+                    let source = &voxels[from as usize + 1 - width..=from as usize];
+                    for (i, voxel) in source.iter().rev().enumerate() {
+                        planes[place + i * stride] = *voxel;
+                    }
+                }
+            }
+        }
     }
 }
 

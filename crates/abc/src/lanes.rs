@@ -529,94 +529,146 @@ impl GradientLanes {
         out: [&mut [i32]; 3],
         overflow: &mut [u32],
     ) {
-        macro_rules! methods {
-            ($($method:ident),*) => {
-                match (self.method, self.narrow) {
-                    $(
-                        (GradientMethod::$method, true) => self.rows::<{ GradientMethod::$method as u8 }, false>(from, neighbour, out, overflow),
-                        (GradientMethod::$method, false) => self.rows::<{ GradientMethod::$method as u8 }, true>(from, neighbour, out, overflow),
-                    )*
-                }
-            };
-        }
-        methods!(Six, TwentySix, Ten, TenNormalised, Twelve, SixSheared, TwentySixSheared);
-    }
-
-    /// One method in one width: the compiler sees a loop without branches.
-    #[inline(always)]
-    fn rows<'a, const METHOD: u8, const WIDE: bool>(
-        &self,
-        from: usize,
-        neighbour: impl Fn(usize, usize, usize) -> &'a [i32] + Copy,
-        out: [&mut [i32]; 3],
-        overflow: &mut [u32],
-    ) {
         let n = overflow.len();
+        let rows: Rows = [0, 1, 2].map(|w| [0, 1, 2].map(|v| [0, 1, 2].map(|u| &neighbour(w, v, u)[from..from + n])));
         let [out_u, out_v, out_w] = out;
-        let (out_u, out_v, out_w) = (&mut out_u[..n], &mut out_v[..n], &mut out_w[..n]);
-        let all: [[[&[i32]; 3]; 3]; 3] =
-            [0, 1, 2].map(|w| [0, 1, 2].map(|v| [0, 1, 2].map(|u| &neighbour(w, v, u)[from..from + n])));
-        for lane in 0..n {
-            let s = |w: usize, v: usize, u: usize| all[w][v][u][lane];
-            let mut d = self.differences::<METHOD, WIDE>(s);
-            if let Some(scale) = self.scale {
-                for i in 0..3 {
-                    d[i] = mul::<WIDE>(d[i], scale[i] as i32, self.scaling);
-                }
-            }
-            let d = d.map(|difference| self.drop.apply32(difference));
-            let held = d.map(|difference| difference.clamp(-self.top - 1, self.top));
-            overflow[lane] += u32::from(held[0] != d[0]) + u32::from(held[1] != d[1]) + u32::from(held[2] != d[2]);
-            out_u[lane] = held[0];
-            out_v[lane] = held[1];
-            out_w[lane] = held[2];
+        if self.narrow {
+            self.differences::<false>(&rows, out_u, out_v, out_w);
+            self.hold::<false>([out_u, out_v, out_w], overflow);
+        } else {
+            self.differences::<true>(&rows, out_u, out_v, out_w);
+            self.hold::<true>([out_u, out_v, out_w], overflow);
         }
     }
 
+    /// Differences along u, v and w; see [`golden::gradient`].
     #[inline(always)]
-    fn differences<const METHOD: u8, const WIDE: bool>(&self, s: impl Fn(usize, usize, usize) -> i32) -> [i32; 3] {
+    fn differences<const WIDE: bool>(&self, rows: &Rows, u: &mut [i32], v: &mut [i32], w: &mut [i32]) {
         let [du, dv] = self.weights;
-        let lerp = |near: i32, far: i32, weight: i32| near + mul::<WIDE>(far - near, weight, self.lerp);
-        let six = || [s(1, 1, 2) - s(1, 1, 0), s(1, 2, 1) - s(1, 0, 1), s(2, 1, 1) - s(0, 1, 1)];
-        let shear = |d: [i32; 3]| {
-            let along = if WIDE {
-                self.lerp.apply(i64::from(d[0]) * i64::from(du) + i64::from(d[1]) * i64::from(dv)) as i32
-            } else {
-                self.lerp.apply32(d[0] * du + d[1] * dv)
-            };
-            [d[0], d[1], d[2] - along]
-        };
-        let weighted = || {
-            let pair = |far: [i32; 3], near: [i32; 3]| (far[0] - near[0]) + 2 * (far[1] - near[1]) + (far[2] - near[2]);
-            let sum = |rows: [i32; 3]| rows[0] + 2 * rows[1] + rows[2];
-            let u = sum([0, 1, 2].map(|a| pair([0, 1, 2].map(|b| s(a, b, 2)), [0, 1, 2].map(|b| s(a, b, 0)))));
-            let v = sum([0, 1, 2].map(|a| pair([0, 1, 2].map(|b| s(a, 2, b)), [0, 1, 2].map(|b| s(a, 0, b)))));
-            let w = sum([0, 1, 2].map(|a| pair([0, 1, 2].map(|b| s(2, a, b)), [0, 1, 2].map(|b| s(0, a, b)))));
-            [u, v, w]
-        };
-        const SIX: u8 = GradientMethod::Six as u8;
-        const TWENTY_SIX: u8 = GradientMethod::TwentySix as u8;
-        const TWELVE: u8 = GradientMethod::Twelve as u8;
-        const SIX_SHEARED: u8 = GradientMethod::SixSheared as u8;
-        const TWENTY_SIX_SHEARED: u8 = GradientMethod::TwentySixSheared as u8;
-        match METHOD {
-            SIX => six(),
-            SIX_SHEARED => shear(six()),
-            TWENTY_SIX => weighted(),
-            TWENTY_SIX_SHEARED => shear(weighted()),
-            TWELVE => {
-                let behind = lerp(lerp(s(2, 1, 1), s(2, 1, 0), du), lerp(s(2, 0, 1), s(2, 0, 0), du), dv);
-                let before = lerp(lerp(s(0, 1, 1), s(0, 1, 2), du), lerp(s(0, 2, 1), s(0, 2, 2), du), dv);
-                let [u, v, _] = six();
-                [u, v, behind - before]
+        let n = u.len();
+        let (v, w) = (&mut v[..n], &mut w[..n]);
+        match self.method {
+            GradientMethod::Six | GradientMethod::SixSheared | GradientMethod::Twelve => {
+                subtract(rows[1][1][2], rows[1][1][0], u);
+                subtract(rows[1][2][1], rows[1][0][1], v);
+                if self.method == GradientMethod::Twelve {
+                    let behind = [rows[2][1][1], rows[2][1][0], rows[2][0][1], rows[2][0][0]].map(|row| &row[..n]);
+                    let before = [rows[0][1][1], rows[0][1][2], rows[0][2][1], rows[0][2][2]].map(|row| &row[..n]);
+                    for i in 0..n {
+                        let far = bilinear::<WIDE>(
+                            [behind[0][i], behind[1][i], behind[2][i], behind[3][i]],
+                            du,
+                            dv,
+                            self.lerp,
+                        );
+                        let near = bilinear::<WIDE>(
+                            [before[0][i], before[1][i], before[2][i], before[3][i]],
+                            du,
+                            dv,
+                            self.lerp,
+                        );
+                        w[i] = far - near;
+                    }
+                } else {
+                    subtract(rows[2][1][1], rows[0][1][1], w);
+                }
             }
-            _ => {
-                let u = lerp(s(1, 1, 2), s(0, 1, 2), du) - lerp(s(1, 1, 0), s(2, 1, 0), du);
-                let v = lerp(s(1, 2, 1), s(0, 2, 1), dv) - lerp(s(1, 0, 1), s(2, 0, 1), dv);
-                [u, v, s(2, 1, 1) - s(0, 1, 1)]
+            GradientMethod::TwentySix | GradientMethod::TwentySixSheared => {
+                weighted(|a, b| [rows[a][b][2], rows[a][b][0]], u);
+                weighted(|a, b| [rows[a][2][b], rows[a][0][b]], v);
+                weighted(|a, b| [rows[2][a][b], rows[0][a][b]], w);
+            }
+            GradientMethod::Ten | GradientMethod::TenNormalised => {
+                let [right, left] = [[rows[1][1][2], rows[0][1][2]], [rows[1][1][0], rows[2][1][0]]];
+                feet::<WIDE>(right, left, du, self.lerp, u);
+                let [below, above] = [[rows[1][2][1], rows[0][2][1]], [rows[1][0][1], rows[2][0][1]]];
+                feet::<WIDE>(below, above, dv, self.lerp, v);
+                subtract(rows[2][1][1], rows[0][1][1], w);
+            }
+        }
+        if matches!(self.method, GradientMethod::SixSheared | GradientMethod::TwentySixSheared) {
+            for i in 0..n {
+                let along = if WIDE {
+                    self.lerp.apply(i64::from(u[i]) * i64::from(du) + i64::from(v[i]) * i64::from(dv)) as i32
+                } else {
+                    self.lerp.apply32(u[i] * du + v[i] * dv)
+                };
+                w[i] -= along;
             }
         }
     }
+
+    /// Scales differences, drops their low bits, and holds them to the gradient's word.
+    #[inline(always)]
+    fn hold<const WIDE: bool>(&self, components: [&mut [i32]; 3], overflow: &mut [u32]) {
+        let n = overflow.len();
+        for (i, component) in components.into_iter().enumerate() {
+            let component = &mut component[..n];
+            if let Some(scale) = self.scale {
+                let factor = scale[i] as i32;
+                for word in component.iter_mut() {
+                    *word = mul::<WIDE>(*word, factor, self.scaling);
+                }
+            }
+            for lane in 0..n {
+                let dropped = self.drop.apply32(component[lane]);
+                let held = dropped.clamp(-self.top - 1, self.top);
+                overflow[lane] += u32::from(held != dropped);
+                component[lane] = held;
+            }
+        }
+    }
+}
+
+/// Rows of the neighbourhood, `[w][v][u]`, all of one length.
+type Rows<'a> = [[[&'a [i32]; 3]; 3]; 3];
+
+#[inline(always)]
+fn subtract(far: &[i32], near: &[i32], out: &mut [i32]) {
+    let n = out.len();
+    let (far, near) = (&far[..n], &near[..n]);
+    for i in 0..n {
+        out[i] = far[i] - near[i];
+    }
+}
+
+/// Differences of nine pairs of rows with weights 1, 2, 1 both ways.
+#[inline(always)]
+fn weighted<'a>(pair: impl Fn(usize, usize) -> [&'a [i32]; 2], out: &mut [i32]) {
+    let n = out.len();
+    out.fill(0);
+    for (a, first) in [1, 2, 1].into_iter().enumerate() {
+        for (b, second) in [1, 2, 1].into_iter().enumerate() {
+            let weight = first * second;
+            let [far, near] = pair(a, b);
+            let (far, near) = (&far[..n], &near[..n]);
+            for i in 0..n {
+                out[i] += weight * (far[i] - near[i]);
+            }
+        }
+    }
+}
+
+/// The difference of two lerps, each of a pair of rows.
+#[inline(always)]
+fn feet<const WIDE: bool>(plus: [&[i32]; 2], minus: [&[i32]; 2], weight: i32, shift: Shift, out: &mut [i32]) {
+    let n = out.len();
+    let ([p0, p1], [m0, m1]) = (plus.map(|row| &row[..n]), minus.map(|row| &row[..n]));
+    for i in 0..n {
+        out[i] = lerp::<WIDE>(p0[i], p1[i], weight, shift) - lerp::<WIDE>(m0[i], m1[i], weight, shift);
+    }
+}
+
+#[inline(always)]
+fn bilinear<const WIDE: bool>(corners: [i32; 4], du: i32, dv: i32, shift: Shift) -> i32 {
+    let near = lerp::<WIDE>(corners[0], corners[1], du, shift);
+    let far = lerp::<WIDE>(corners[2], corners[3], du, shift);
+    lerp::<WIDE>(near, far, dv, shift)
+}
+
+#[inline(always)]
+fn lerp<const WIDE: bool>(near: i32, far: i32, weight: i32, shift: Shift) -> i32 {
+    near + mul::<WIDE>(far - near, weight, shift)
 }
 
 /// A rounded product, in 32 bits or through 64.
