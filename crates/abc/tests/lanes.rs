@@ -5,10 +5,10 @@ mod registers;
 
 use cube3_abc::golden::{Neighbourhood, Shaded, shade};
 use cube3_abc::lanes::{AbcLanes, ShadedRow};
-use cube3_host::{FrameSetup, GradientMethod, GradientRegisters};
-use cube3_word::{Rounding, Words, vectorised};
+use cube3_host::{FrameSetup, GradientMethod, GradientRegisters, Shading};
+use cube3_word::{Rounding, Words, unit_full, vectorised};
 use proptest::prelude::*;
-use registers::{Dice, frame, hosted_frame, neighbourhood};
+use registers::{Dice, bright, frame, hosted_frame, neighbourhood, normaliser};
 
 /// A row as it comes to the unit: neighbourhoods, rays and depths, and which lanes hold a sample of the volume.
 struct Row {
@@ -107,6 +107,32 @@ proptest! {
         let setup = hosted_frame(&mut dice);
         let rows: Vec<Row> = [33, 9].into_iter().map(|n| row(&mut dice, &setup, n)).collect();
         assert_golden(&setup, &rows);
+    }
+}
+
+/// The widest sums of the light unit, where 32 bits end.
+#[test]
+fn bright_lights_on_wide_colours() {
+    let mut dice = Dice(5);
+    for (colour_bits, normal_bits, lights) in (11..=16)
+        .flat_map(|colour| [4, 9, 12, 15].map(|normal| (colour, normal)))
+        .flat_map(|(colour, normal)| [0, 1, 2, 8].map(|lights| (colour, normal, lights)))
+    {
+        for _ in 0..8 {
+            let mut setup = frame(&mut dice);
+            setup.words = Words { colour_bits, normal_bits, ..setup.words };
+            setup.depth_cue = None;
+            setup.normaliser = Some(normaliser(normal_bits, 8));
+            setup.shading = Some(Shading::Phong(bright(&mut dice, &setup.words, lights)));
+            let any = GradientRegisters { method: GradientMethod::Six, weights: [0; 2], scale: None, border: 0 };
+            setup.gradient = setup.gradient.or(Some(any));
+            let full = unit_full(colour_bits);
+            for colour in &mut setup.classification.colour {
+                *colour = [dice.word(0, full), dice.word(0, full), dice.word(0, 1)];
+            }
+            let rows = [row(&mut dice, &setup, 40)];
+            assert_golden(&setup, &rows);
+        }
     }
 }
 

@@ -98,6 +98,27 @@ fn phong(dice: &mut Dice, words: &Words) -> Phong {
     }
 }
 
+/// Lights that shine straight at every normal: full highlights, and intensities near their limits.
+pub fn bright(dice: &mut Dice, words: &Words, lights: usize) -> Phong {
+    let one = 1 << (words.normal_bits - 1);
+    let intensity = (16 << words.colour_bits) - 1;
+    let power_bits = 1;
+    let mut light = || PhongLight {
+        direction: [one; 3],
+        halfway: [one; 3],
+        diffuse: [0; 3].map(|_| dice.word(intensity / 2, intensity)),
+        specular: [0; 3].map(|_| dice.word(0, intensity)),
+    };
+    let lights = (0..lights).map(|_| light()).collect();
+    Phong {
+        ambient: dice.word(0, intensity),
+        two_sided: true,
+        lights,
+        power: vec![1 << words.colour_bits; 3],
+        power_bits,
+    }
+}
+
 fn reflectance(dice: &mut Dice, words: &Words) -> ReflectanceTable {
     let bits = dice.word(2, 5);
     let intensity = (16 << words.colour_bits) - 1;
