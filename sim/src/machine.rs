@@ -59,7 +59,7 @@ pub struct RunCounters {
     pub beams: u64,
     /// Ray slots that went through the pipeline.
     pub ray_slots: u64,
-    /// Cycles that the busiest port needs for its tokens alone.
+    /// Cycles that the busier of the two sides needs for its tokens alone: beams in, or rays out.
     pub steady_cycles: u64,
     /// Each unit's name and account.
     pub units: Vec<(&'static str, Account)>,
@@ -309,7 +309,7 @@ impl<F: Fidelity> Machine<F> {
             cycles: self.cycle,
             beams: self.cfb.fetched(),
             ray_slots: self.ray_slots(),
-            steady_cycles: units.iter().map(|(_, account)| account.active()).max().unwrap_or(0),
+            steady_cycles: self.cfb.account().active().max(self.dsb.accounts()[1].active()),
             units,
             channels,
         }

@@ -257,20 +257,19 @@ fn linear(geometry: &Geometry, normal: [f64; 3], constant: f64, fraction_bits: u
 
 /// `normal · (p − through)` of voxel positions x, y, z, in canonical coordinates: normal and constant.
 fn canonical_plane(geometry: &Geometry, normal: [f64; 3], through: [f64; 3]) -> ([f64; 3], f64) {
-    let mut result = [0.0; 3];
     let mut constant = 0.0;
-    for i in 0..3 {
+    let normal = [0, 1, 2].map(|i| {
         let axis = geometry.axes.axis[i];
         let last = (geometry.size[i] - 1) as f64;
         if geometry.axes.reversed[i] {
-            result[i] = -normal[axis];
             constant += normal[axis] * (last - through[axis]);
+            -normal[axis]
         } else {
-            result[i] = normal[axis];
             constant -= normal[axis] * through[axis];
+            normal[axis]
         }
-    }
-    (result, constant)
+    });
+    (normal, constant)
 }
 
 fn clips(scene: &Scene, geometry: &Geometry) -> Vec<HalfSpace> {
@@ -295,14 +294,16 @@ fn clips(scene: &Scene, geometry: &Geometry) -> Vec<HalfSpace> {
     clips
 }
 
+/// The cue along the view, from the nearest corner voxel, which is canonical (0, 0, 0), to the farthest.
 fn depth_cue(scene: &Scene, geometry: &Geometry, volume: &VolumeInfo, view: &ViewFrame) -> Option<LinearFactor> {
     let cue = scene.depth_cue.as_ref()?;
-    let [near, far] = depth_range(view, volume.dims, volume.spacing);
-    let rate = if far > near { (cue.back - cue.front) / (far - near) } else { 0.0 };
-    let normal = [0, 1, 2].map(|i| view.direction[i] * volume.spacing[i] * rate);
-    let (normal, constant) = canonical_plane(geometry, normal, [0.0; 3]);
-    let constant = constant + cue.front - near * rate;
-    Some(LinearFactor { factor: linear(geometry, normal, constant, LinearFactor::FRACTION_BITS) })
+    let direction = geometry.axes.to_canonical(view.direction);
+    let spacing = geometry.axes.permute(volume.spacing);
+    let steps = [0, 1, 2].map(|i| direction[i] * spacing[i]);
+    let depth: f64 = (0..3).map(|i| steps[i] * (geometry.size[i] - 1) as f64).sum();
+    let rate = if depth > 0.0 { (cue.back - cue.front) / depth } else { 0.0 };
+    let normal = steps.map(|step| step * rate);
+    Some(LinearFactor { factor: linear(geometry, normal, cue.front, LinearFactor::FRACTION_BITS) })
 }
 
 /// Distance along the view of the nearest and of the farthest corner voxel's centre, from voxel (0, 0, 0).

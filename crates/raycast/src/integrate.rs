@@ -2,7 +2,7 @@
 //! six modes. The same for all casters, and the meaning of the machine's.
 
 use cube3_host::depth_range;
-use cube3_scene::{DepthCue, Mode, ResolvedLight, Scene, Transfer, ViewFrame, corrected_opacity, phong};
+use cube3_scene::{DepthCue, Mode, ResolvedLight, Scene, Transfer, ViewFrame, corrected_opacity, phong, unit_vector};
 use cube3_volume::Volume;
 use glam::DVec3;
 
@@ -238,16 +238,9 @@ impl<'a> LinearCue<'a> {
     }
 }
 
-/// Away from the material: −∇f/|∇f|, by the largest component first so that nothing over- or underflows; `None`
-/// where the gradient vanishes.
+/// Away from the material: −∇f/|∇f|; `None` where the gradient vanishes.
 fn normal(gradient: [f64; 3]) -> Option<DVec3> {
-    let gradient = DVec3::from(gradient);
-    let largest = gradient.abs().max_element();
-    if !(largest > 0.0 && largest.is_finite()) {
-        return None;
-    }
-    let scaled = gradient / largest;
-    Some(-(scaled / scaled.length()))
+    unit_vector(DVec3::from(gradient)).map(|unit| -unit)
 }
 
 /// The value below which a transfer function is clear at every gradient: a fast way to the 0 that it would give.

@@ -7,7 +7,7 @@ use common::{affine, geometry_along, noise};
 use cube3_host::{Basis, DiscreteRay, Geometry, GradientMethod, TemplateRule};
 use cube3_raycast::{DiscreteOptions, Interpolation, RaySamples, surface_gradients};
 use cube3_scene::View;
-use cube3_volume::Volume;
+use cube3_volume::{Phantom, PhantomParams, Volume};
 use glam::DVec3;
 
 /// A sample in the middle, with all 26 neighbours.
@@ -120,15 +120,10 @@ fn whole_planes_and_single_rays_have_the_same_samples_to_the_bit() {
     }
 }
 
-/// A sphere of radius 26 about the middle of 64³ voxels, its edge a smooth step (3t² − 2t³) of `ramp` voxels.
+/// The sphere phantom: radius 26 about the middle of 64³ voxels, its edge a smooth step of `ramp` voxels.
 fn sphere(ramp: f64) -> (Volume, DVec3) {
-    let centre = DVec3::splat(31.5);
-    let volume = Volume::from_fn([64; 3], [1.0; 3], |x, y, z| {
-        let distance = DVec3::new(x as f64, y as f64, z as f64).distance(centre);
-        let t = ((26.0 - distance) / ramp + 0.5).clamp(0.0, 1.0);
-        t * t * (3.0 - 2.0 * t)
-    });
-    (volume.unwrap(), centre)
+    let params = PhantomParams { ramp: Some(ramp), ..PhantomParams::default() };
+    (Phantom::Sphere.generate(64, &params).unwrap(), DVec3::splat(31.5))
 }
 
 /// Mean angle in degrees between the gradient and the sphere's normal, at the first sample above ½ on every ray.
@@ -137,7 +132,7 @@ fn mean_angle_deg(ramp: f64, yaw_deg: f64, offset: f64, gradient: GradientMethod
     let direction = View::from_angles(yaw_deg, 0.0).frame().unwrap().direction;
     let geometry = geometry_along(&volume, direction, TemplateRule::SampleFloor, offset);
     let options = DiscreteOptions { gradient, border: 0.0 };
-    let points = surface_gradients(&volume, &geometry, Interpolation::Sheared, 0.5, &options).unwrap();
+    let points = surface_gradients(&volume, &geometry, Interpolation::Sheared, 32767.5, &options).unwrap();
     assert!(points.len() > 1900, "about 26²·π rays meet the sphere");
     let angle = |gradient: DVec3, position: DVec3| gradient.angle_between(centre - position).to_degrees();
     points.iter().map(|p| angle(p.gradient, DVec3::from(p.position))).sum::<f64>() / points.len() as f64
@@ -145,8 +140,7 @@ fn mean_angle_deg(ramp: f64, yaw_deg: f64, offset: f64, gradient: GradientMethod
 
 /// The table of the design, section 3, by an independent float prototype. It holds with bilinear samples (o = 0 at
 /// every angle, which 45° forces on the sample floor) and a smooth step of 2.2 voxels. With o = min(½, 1 − du) all but
-/// the first column does: the lerp along w smooths the noise of 0° from 3.3° down to 2.6°. A linear ramp of 2.2 voxels,
-/// the phantom's, is easier: 12 is at 1.4° to 2.1° there.
+/// the first column does: the lerp along w smooths the noise of 0° from 3.3° down to 2.6°.
 #[test]
 fn the_sphere_has_the_prototypes_errors() {
     let table = [

@@ -46,5 +46,6 @@ pub use opacity::corrected_opacity;
 pub use phong::phong;
 pub use scene::{SCHEMA, Scene};
 pub use transfer::{ColourPoint, Layer, Transfer};
+pub use unit_vector::unit_vector;
 pub use view::{View, ViewFrame};
 pub use volume_source::{LARGEST_PHANTOM_VOXELS, VolumeSource};

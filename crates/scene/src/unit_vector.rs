@@ -5,14 +5,17 @@ use glam::DVec3;
 /// `vector` scaled to unit length, or `None` if it is zero or not finite.
 ///
 /// The largest component is brought to 1 first, so no finite vector over- or underflows, a vector
-/// along an axis comes out exact, and equal components stay equal.
-pub(crate) fn unit_vector(vector: DVec3) -> Option<DVec3> {
+/// along an axis comes out exact, and equal components stay equal. The squares are summed from the smallest
+/// up, so that a vector with its components exchanged has them exchanged to the bit.
+pub fn unit_vector(vector: DVec3) -> Option<DVec3> {
     let largest = vector.abs().max_element();
     if largest == 0.0 || !vector.is_finite() {
         return None;
     }
     let scaled = vector / largest;
-    Some(scaled / scaled.length())
+    let mut squares = (scaled * scaled).to_array();
+    squares.sort_by(f64::total_cmp);
+    Some(scaled / (squares[0] + squares[1] + squares[2]).sqrt())
 }
 
 #[cfg(test)]
@@ -46,6 +49,13 @@ mod tests {
             prop_assert!((unit.length() - 1.0).abs() < 1e-15);
             prop_assert!(unit.cross(DVec3::from(v)).length() < 1e-15);
             prop_assert!(unit.dot(DVec3::from(v)) > 0.0);
+        }
+
+        #[test]
+        fn exchanged_components_stay_exchanged_to_the_bit(v in prop::array::uniform3(-1.0_f64..1.0)) {
+            prop_assume!(v.iter().any(|c| c.abs() > 1e-3));
+            let unit = unit_vector(DVec3::from(v)).unwrap();
+            prop_assert_eq!(unit_vector(DVec3::new(v[2], v[0], -v[1])), Some(DVec3::new(unit.z, unit.x, -unit.y)));
         }
     }
 }

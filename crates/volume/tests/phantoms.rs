@@ -67,7 +67,7 @@ fn a_spheres_mass_is_its_volume() {
         let params = PhantomParams { radius: Some(radius), ramp: Some(ramp), ..PhantomParams::default() };
         let v = Phantom::Sphere.generate(size, &params).unwrap();
         let mass: f64 = v.to_f64().iter().sum::<f64>() / 65535.0;
-        let expected = PI * (4.0 / 3.0 * radius.powi(3) + radius * ramp * ramp / 3.0);
+        let expected = PI * (4.0 / 3.0 * radius.powi(3) + radius * ramp * ramp / 5.0);
         assert!((mass / expected - 1.0).abs() < 2e-4, "{mass} against {expected}");
     }
 }
@@ -78,8 +78,9 @@ fn a_sphere_has_its_ramp_and_its_centre() {
     let v = Phantom::Sphere.generate(32, &params).unwrap();
     assert_eq!(v.value(10, 12, 14), 65535.0);
     assert_eq!(v.value(16, 12, 14), (0.5f64 * 65535.0).round());
-    assert_eq!(v.value(10, 17, 14), ((0.5f64 + 1.0 / 2.2) * 65535.0).round());
-    assert_eq!(v.value(10, 12, 21), ((0.5f64 - 1.0 / 2.2) * 65535.0).round());
+    let cubic = |t: f64| (t * t * (3.0 - 2.0 * t) * 65535.0).round();
+    assert_eq!(v.value(10, 17, 14), cubic(0.5 + 1.0 / 2.2));
+    assert_eq!(v.value(10, 12, 21), cubic(0.5 - 1.0 / 2.2));
     assert_eq!(v.value(18, 12, 14), 0.0);
     for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let params = PhantomParams { ramp: Some(wrong), ..PhantomParams::default() };

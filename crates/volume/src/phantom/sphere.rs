@@ -1,14 +1,15 @@
 //! A volume-sampled sphere, and concentric shells: fields of the distance from a centre.
 
 use super::PhantomParams;
-use super::solid::coverage;
+use super::solid::smooth_coverage;
 use crate::{Volume, VolumeError};
 
 /// The ramp's width of a sphere where none is given, in voxels.
 const RAMP_VOXELS: f64 = 2.2;
 
-/// value = 65535·clamp(½ + (R − r)/w, 0, 1), r the distance from the centre in voxels. The mass
-/// (sum of value/65535) tends to 4/3·π·R³ + π/3·R·w².
+/// value = 65535·(3t² − 2t³), t = clamp(½ + (R − r)/w, 0, 1), r the distance from the centre in voxels. The mass
+/// (sum of value/65535) tends to 4/3·π·R³ + π/5·R·w². With R = 26 and w = 2.2 on 64 voxels a side the
+/// gradient estimators have the errors of the design's table.
 pub(super) fn sphere(size: usize, params: &PhantomParams) -> Result<Volume, VolumeError> {
     let centre = centre(size, params)?;
     let radius = params.radius.unwrap_or(size as f64 * 26.0 / 64.0);
@@ -22,7 +23,7 @@ pub(super) fn sphere(size: usize, params: &PhantomParams) -> Result<Volume, Volu
         });
     }
     Volume::from_fn([size; 3], [1.0; 3], |x, y, z| {
-        let inside = coverage(distance(centre, x, y, z) - radius, ramp);
+        let inside = smooth_coverage(distance(centre, x, y, z) - radius, ramp);
         (inside * f64::from(u16::MAX)).round() as u16
     })
 }

@@ -1,0 +1,184 @@
+//! The command as a person uses it: files that appear, and mistakes that get one clear message and exit code 2.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn cube3(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_cube3")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Runs a small frame into `out`.
+fn small(folder: &Path, more: &[&str]) -> Output {
+    let mut arguments = vec!["run", "--size", "24", "--out", "out"];
+    arguments.extend(more);
+    cube3(folder, &arguments)
+}
+
+fn report(folder: &Path) -> serde_json::Value {
+    serde_json::from_str(&std::fs::read_to_string(folder.join("out/report.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn a_run_writes_its_pictures_its_report_and_what_it_ran() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = small(folder.path(), &[]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    for name in [
+        "image.png",
+        "base_plane.png",
+        "reference.png",
+        "difference.png",
+        "report.json",
+        "report.html",
+        "scene.toml",
+        "machine.toml",
+    ] {
+        assert!(folder.path().join("out").join(name).metadata().unwrap().len() > 0, "{name}");
+    }
+    let report = report(folder.path());
+    for key in [
+        "/schema",
+        "/scene/view",
+        "/machine/lanes",
+        "/plan/left_out/0/why",
+        "/timing/cycles",
+        "/timing/clock_hz",
+        "/timing/frame_time_s",
+        "/timing/fps",
+        "/timing/beams",
+        "/timing/samples",
+        "/timing/fill_cycles",
+        "/units/0/name",
+        "/units/0/busy",
+        "/units/0/starved",
+        "/units/0/blocked",
+        "/units/0/waiting",
+        "/error/against",
+        "/error/mean_relative",
+        "/error/rms",
+        "/error/max",
+        "/error/psnr_db",
+        "/error/gradient_mean_deg",
+        "/wall/timing_s",
+        "/wall/function_s",
+        "/wall/reference_s",
+        "/wall/samples_per_s",
+        "/digest/base_plane",
+        "/digest/image",
+    ] {
+        assert!(report.pointer(key).is_some_and(|value| !value.is_null()), "{key}");
+    }
+}
+
+#[test]
+fn what_was_written_runs_again_to_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    small(folder.path(), &["--gradient", "26d", "--mode", "first-opaque", "--yaw", "-50"]);
+    let first = report(folder.path());
+    let output = cube3(
+        folder.path(),
+        &["run", "--scene", "out/scene.toml", "--machine", "out/machine.toml", "--out", "out", "--fidelity", "cycle"],
+    );
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let second = report(folder.path());
+    assert_eq!(first["digest"], second["digest"]);
+    assert_eq!(first["timing"], second["timing"]);
+}
+
+#[test]
+fn threads_change_nothing_but_the_wall_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut reports = ["1", "2", "5"].map(|threads| {
+        small(folder.path(), &["--threads", threads]);
+        report(folder.path())
+    });
+    reports.iter_mut().for_each(|report| report["wall"] = serde_json::Value::Null);
+    assert_eq!(reports[0], reports[1]);
+    assert_eq!(reports[0], reports[2]);
+}
+
+#[test]
+fn volumes_go_from_phantom_to_file_to_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| {
+        let output = cube3(folder.path(), arguments);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    run(&["volume", "phantom", "engine", "--size", "20", "--out", "engine.nrrd"]);
+    assert!(run(&["volume", "info", "engine.nrrd"]).contains("20 × 20 × 20"));
+    run(&["volume", "convert", "engine.nrrd", "engine.raw"]);
+    let raw = run(&["volume", "info", "engine.raw", "--dims", "20x20x20", "--type", "u8"]);
+    assert!(raw.contains("20 × 20 × 20"), "{raw}");
+    run(&["run", "--volume", "engine.raw", "--dims", "20x20x20", "--type", "u8", "--out", "out"]);
+    let from_raw = report(folder.path());
+    run(&["run", "--volume", "engine.nrrd", "--out", "out"]);
+    assert_eq!(report(folder.path())["digest"], from_raw["digest"]);
+}
+
+#[test]
+fn the_printed_defaults_are_the_defaults() {
+    let folder = tempfile::tempdir().unwrap();
+    for (option, file) in [("--print-scene", "scene.toml"), ("--print-machine", "machine.toml")] {
+        let output = cube3(folder.path(), &["run", option]);
+        std::fs::write(folder.path().join(file), &output.stdout).unwrap();
+    }
+    small(folder.path(), &[]);
+    let plain = report(folder.path());
+    small(folder.path(), &["--scene", "scene.toml", "--machine", "machine.toml"]);
+    assert_eq!(plain["digest"], report(folder.path())["digest"]);
+}
+
+#[test]
+fn mistakes_get_one_message_and_exit_code_2_and_lose_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    small(path, &[]);
+    let before = std::fs::read(path.join("out/image.png")).unwrap();
+    std::fs::write(path.join("bad-scene.toml"), "schema = 1\n[view]\nyaw = 3\n").unwrap();
+    std::fs::write(path.join("bad-machine.toml"), "lanes = 0\n").unwrap();
+    std::fs::write(path.join("stuck.toml"), "lanes = 24\n[dsb]\nplanes = 1\n").unwrap();
+    std::fs::write(
+        path.join("short.nrrd"),
+        "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 90 90 90\nencoding: raw\n\nabc",
+    )
+    .unwrap();
+    let cases: [(&[&str], &str); 9] = [
+        (&["--scene", "bad-scene.toml"], "bad-scene.toml:3"),
+        (&["--scene", "missing.toml"], "missing.toml"),
+        (&["--machine", "bad-machine.toml"], "lanes = 0 is outside 1 to 4096"),
+        (&["--machine", "cube9"], "cube3-128"),
+        (&["--machine", "stuck.toml"], "dsb.write waits for dsb.read"),
+        (&["--threads", "0"], "at least 1"),
+        (&["--dims", "2x2x2"], "--dims and --type go together"),
+        (&["--phantom", "kidney"], "head"),
+        (&["--tilt", "nan"], "tilt"),
+    ];
+    let check = |output: Output, expected: &str, what: &str| {
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{what}: {message}");
+        assert!(message.contains(expected), "{what}: {message}");
+        assert_eq!(message.trim_end().lines().count(), 1, "{what}: {message}");
+    };
+    for (arguments, expected) in cases {
+        check(small(path, arguments), expected, &format!("{arguments:?}"));
+    }
+    let output = cube3(path, &["run", "--volume", "short.nrrd", "--out", "out"]);
+    check(output, "short.nrrd", "a header that promises more than the file holds");
+    std::fs::write(path.join("file"), "").unwrap();
+    check(cube3(path, &["run", "--size", "8", "--out", "file"]), "file", "a file in the folder's place");
+    assert_eq!(std::fs::read(path.join("out/image.png")).unwrap(), before, "nothing is written over");
+}
+
+#[test]
+fn bench_prints_ratios_and_fractions() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = cube3(folder.path(), &["bench", "--size", "16", "--timing-size", "16", "--repeats", "1"]);
+    let table = text(&output.stdout);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(table.contains("M samples/s") && table.contains("% of the bandwidth"), "{table}");
+}

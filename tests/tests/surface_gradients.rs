@@ -1,0 +1,103 @@
+//! The machine's own gradient words on the sphere phantom: the table of the design, section 3.
+
+use cube3_abc::golden::{Neighbourhood, gradient};
+use cube3_host::VolumeInfo;
+use cube3_host::{Abc, Basis, DiscreteRay, GradientMethod, MachineSpec, Rays, frame_setup};
+use cube3_metrics::mean_angle_deg;
+use cube3_scene::{Scene, View};
+use cube3_trilin::golden::{Weights, cell, lift};
+use cube3_volume::{Phantom, PhantomParams, VoxelWords, WordConversion};
+use glam::DVec3;
+
+/// Mean angle in degrees between the gradient words and the normals of the sphere, at the first sample of every ray that
+/// exceeds half of the range: figure 15 of the paper, with the bits of the default machine.
+fn mean_angle(volume: &VoxelWords, yaw_deg: f64, offset: f64, method: GradientMethod) -> f64 {
+    let machine = MachineSpec {
+        rays: Rays { offset, ..Rays::default() },
+        abc: Abc { gradient: method, ..Abc::default() },
+        ..MachineSpec::default()
+    };
+    let scene = Scene { view: View::from_angles(yaw_deg, 0.0), ..Scene::default() };
+    let info = VolumeInfo { dims: volume.dims, spacing: volume.spacing, window: volume.window };
+    let setup = frame_setup(&scene, &machine, &info, true).unwrap().setup;
+    let (geometry, words) = (&setup.geometry, &setup.words);
+    let registers = setup.gradient.unwrap();
+    let sample = |ray: DiscreteRay, k: i64| {
+        if !geometry.has_sample(ray, k) {
+            return registers.border;
+        }
+        let k = k as usize;
+        let corners = [0, 1].map(|w| {
+            [0, 1].map(|v| {
+                [0, 1].map(|u| {
+                    let at = (k + w < geometry.size[2]).then(|| {
+                        Some([geometry.column_at(ray.u + u, k + w)?, geometry.row_at(ray.v + v, k + w)?, k + w])
+                    });
+                    at.flatten().map_or(0, |uvw| {
+                        let [x, y, z] = geometry.axes.voxel(geometry.size, uvw);
+                        lift(volume.word(x, y, z), words)
+                    })
+                })
+            })
+        });
+        cell(corners, Weights { w: geometry.offset, u: geometry.u.weights[k], v: geometry.v.weights[k] }, words)
+    };
+    let basis = Basis::new(geometry, volume.spacing, method);
+    let [width, height] = geometry.base_plane_size();
+    let centre = DVec3::splat(31.5);
+    let mut pairs = Vec::new();
+    for row in 0..height {
+        for column in 0..width {
+            let ray =
+                DiscreteRay { u: column as i64 - geometry.shear_u() as i64, v: row as i64 - geometry.shear_v() as i64 };
+            if let Some(k) = (0..geometry.size[2] as i64).find(|&k| sample(ray, k) > 32767) {
+                let around: Neighbourhood = [-1, 0, 1].map(|w| {
+                    [-1, 0, 1].map(|v| [-1, 0, 1].map(|u| sample(DiscreteRay { u: ray.u + u, v: ray.v + v }, k + w)))
+                });
+                let world = basis.world(&geometry.axes, gradient(&around, &registers, words).value.map(f64::from));
+                let at = geometry.axes.voxel_position(geometry.size, geometry.sample_position(ray, k as usize));
+                pairs.push((world.to_array(), (centre - DVec3::from(at)).to_array()));
+            }
+        }
+    }
+    assert!(pairs.len() > 1900, "about 26²·π rays meet the sphere");
+    mean_angle_deg(pairs).unwrap().mean_deg
+}
+
+fn sphere(ramp: f64) -> VoxelWords {
+    let params = PhantomParams { ramp: Some(ramp), ..PhantomParams::default() };
+    let volume = Phantom::Sphere.generate(64, &params).unwrap();
+    volume.to_words(16, &WordConversion::identity(16)).unwrap().0
+}
+
+const ANGLES: [f64; 4] = [0.0, 15.0, 30.0, 45.0];
+
+/// Bilinear samples (o = 0 at every angle, which 45° forces on the sample floor), as the prototype must have taken them.
+#[test]
+fn the_table_of_the_design_within_fifteen_percent() {
+    let volume = sphere(2.2);
+    let table = [
+        (GradientMethod::Six, [3.2, 6.1, 11.6, 21.3]),
+        (GradientMethod::TwentySix, [1.1, 5.3, 11.9, 21.8]),
+        (GradientMethod::TenNormalised, [3.2, 3.1, 3.3, 4.0]),
+        (GradientMethod::Twelve, [3.2, 3.1, 3.1, 3.9]),
+    ];
+    for (method, expected) in table {
+        let got = ANGLES.map(|yaw| mean_angle(&volume, yaw, 0.0, method));
+        println!("{:>4}: {got:.2?}, design {expected:?}", method.name());
+        for (got, expected) in got.into_iter().zip(expected) {
+            assert!((got / expected - 1.0).abs() < 0.15, "{}: {got}, not {expected}", method.name());
+        }
+    }
+}
+
+#[test]
+fn twelve_is_flat_and_the_mended_twenty_six_is_the_best() {
+    let volume = sphere(3.0);
+    let twelve = ANGLES.map(|yaw| mean_angle(&volume, yaw, 0.5, GradientMethod::Twelve));
+    let mended = ANGLES.map(|yaw| mean_angle(&volume, yaw, 0.5, GradientMethod::TwentySixSheared));
+    println!("ramp 3: 12 {twelve:.2?}, 26d {mended:.2?}");
+    let spread = twelve.iter().copied().fold(0.0, f64::max) - twelve.iter().copied().fold(90.0, f64::min);
+    assert!(spread < 0.5, "{twelve:?}");
+    assert!((0..4).all(|i| mended[i] < twelve[i] && mended[i] < 1.7), "{mended:?}");
+}
