@@ -242,7 +242,7 @@ impl<F: Fidelity> Machine<F> {
             } else if !self.in_flight() {
                 return Err(self.deadlock());
             }
-            if self.cycle % 8192 == 0 {
+            if self.cycle.is_multiple_of(8192) {
                 progress(self.host.received(), all);
             }
         }

@@ -46,7 +46,7 @@ pub fn write(path: impl AsRef<Path>, volume: &Volume) -> Result<(), VolumeError>
 ///
 /// # Errors
 ///
-/// As [`write`].
+/// As [`write()`].
 pub fn write_nrrd(path: impl AsRef<Path>, volume: &Volume, encoding: NrrdEncoding) -> Result<(), VolumeError> {
     replace(path.as_ref(), |out| {
         out.write_all(nrrd_header(volume, encoding).as_bytes())?;
@@ -65,7 +65,7 @@ pub fn write_nrrd(path: impl AsRef<Path>, volume: &Volume, encoding: NrrdEncodin
 ///
 /// # Errors
 ///
-/// As [`write`].
+/// As [`write()`].
 pub fn write_raw(path: impl AsRef<Path>, volume: &Volume, endian: Endian) -> Result<(), VolumeError> {
     replace(path.as_ref(), |out| write_numbers(out, volume, endian))
 }
