@@ -110,7 +110,7 @@ proptest! {
     }
 }
 
-/// The widest sums of the light unit, where 32 bits end.
+/// The widest sums of the light unit, where 32 bits end: scattered light alone in red, highlights alone in blue.
 #[test]
 fn bright_lights_on_wide_colours() {
     let mut dice = Dice(5);

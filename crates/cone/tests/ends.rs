@@ -101,6 +101,46 @@ fn leaves_are_exact_at_their_ends_and_no_brighter_than_opaque() {
     }
 }
 
+#[test]
+fn a_weighted_sum_is_the_mean_by_its_weight_and_is_held_at_white() {
+    let words = Words { opacity_bits: 8, colour_bits: 8, ..words(8, Rounding::Nearest) };
+    let sample = |opacity, red| Shaded { present: true, sample: 1, opacity, colour: [red, 255, 0] };
+    let of = |sum_weight, samples: &[Shaded]| {
+        let cone = ConeRegisters { mode: Mode::WeightedSum, leaves: 2, opaque: 1, sum_weight };
+        let leaves: Vec<Node> = samples.iter().map(|sample| leaf(sample, &cone, &words)).collect();
+        let counted = pixel(reduce(&leaves, &cone, &words), &cone, &words);
+        (counted.value, counted.overflows)
+    };
+    let two = [sample(200, 255), sample(100, 51)];
+    assert_eq!(of(1 << 15, &two), ([(200 + 20) / 2, 150, 0, 150], 0));
+    assert_eq!(of(1 << 14, &two), ([55, 75, 0, 75], 0));
+    // 220 and 300 with a weight of 1: what is above 255 is held and counted.
+    assert_eq!(of(1 << 16, &two), ([220, 255, 0, 255], 2));
+    // Three samples that take no part count in no sum.
+    let absent = Shaded::default();
+    assert_eq!(of(1 << 15, &[absent, two[0], absent, two[1], absent]), ([110, 150, 0, 150], 0));
+}
+
+#[test]
+fn each_mode_picks_its_sample() {
+    let words = Words { opacity_bits: 8, colour_bits: 8, ..words(8, Rounding::Nearest) };
+    let at = |sample, opacity, red| Shaded { present: true, sample, opacity, colour: [red, 0, 0] };
+    // Equal largest and smallest words: the nearer one is shown.
+    let ray = [at(4, 10, 255), at(9, 128, 100), at(9, 200, 200), Shaded::default(), at(1, 255, 50), at(1, 100, 25)];
+    for (mode, expected) in [
+        (Mode::FirstOpaque, [100, 0, 0, 255]),
+        (Mode::LastOpaque, [50, 0, 0, 255]),
+        (Mode::Maximum, [50, 0, 0, 128]),
+        (Mode::Minimum, [50, 0, 0, 255]),
+    ] {
+        for leaves in 1..8 {
+            let cone = ConeRegisters { mode, leaves, opaque: 128, sum_weight: 0 };
+            let nodes: Vec<Node> = ray.iter().map(|sample| leaf(sample, &cone, &words)).collect();
+            assert_eq!(pixel(reduce(&nodes, &cone, &words), &cone, &words).value, expected, "{mode}");
+        }
+    }
+}
+
 fn any_node() -> impl Strategy<Value = (u32, u32)> {
     let edge = prop_oneof![Just(0_u32), Just(u32::MAX), Just(u32::MAX - 1), any::<u32>()];
     (edge.clone(), edge)

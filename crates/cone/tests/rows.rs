@@ -115,14 +115,15 @@ proptest! {
         words in any_words(), depths in prop::collection::vec(any_depth(), 0..24), leaves in 1_usize..28,
         opaque: u32, sum_weight in prop_oneof![0_u32..=65536, Just(65536_u32), Just(2731)], vectors: bool,
     ) {
+        let opaque = opaque & unit_full(words.accumulator_bits);
         let depths: Vec<Depth> = depths
             .into_iter()
             .map(|(row, skip)| Depth {
                 row: row.map(|(start, raw)| (start, raw.into_iter().map(|raw| sample(&words, raw)).collect())),
-                skip,
+                // From 0 on, transparent samples are opaque too, and none may be left out.
+                skip: skip && opaque > 0,
             })
             .collect();
-        let opaque = (opaque & unit_full(words.accumulator_bits)).max(1);
         for mode in Mode::ALL {
             let cone = ConeRegisters { mode, leaves, opaque, sum_weight };
             assert_rows::<u64>(&depths, &cone, &words, vectors);

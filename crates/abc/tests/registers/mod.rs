@@ -98,7 +98,7 @@ fn phong(dice: &mut Dice, words: &Words) -> Phong {
     }
 }
 
-/// Lights that shine straight at every normal: full highlights, and intensities near their limits.
+/// Lights that shine straight at every normal: intensities near their limits, and full highlights in green and blue.
 pub fn bright(dice: &mut Dice, words: &Words, lights: usize) -> Phong {
     let one = 1 << (words.normal_bits - 1);
     let intensity = (16 << words.colour_bits) - 1;
@@ -107,7 +107,7 @@ pub fn bright(dice: &mut Dice, words: &Words, lights: usize) -> Phong {
         direction: [one; 3],
         halfway: [one; 3],
         diffuse: [0; 3].map(|_| dice.word(intensity / 2, intensity)),
-        specular: [0; 3].map(|_| dice.word(0, intensity)),
+        specular: [0, dice.word(0, intensity), dice.word(0, intensity)],
     };
     let lights = (0..lights).map(|_| light()).collect();
     Phong {
