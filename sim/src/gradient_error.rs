@@ -1,6 +1,6 @@
 //! How far the machine's gradients are from the true ones, where the scene shows a surface.
 
-use cube3_abc::golden::{Neighbourhood, gradient};
+use cube3_abc::golden::{Neighbourhood, classify, gradient, normalise};
 use cube3_host::{Basis, DiscreteRay, FrameSetup};
 use cube3_trilin::golden::{Weights, cell, lift};
 use cube3_volume::VoxelWords;
@@ -26,20 +26,22 @@ pub fn mean_angle_deg(setup: &FrameSetup, volume: &VoxelWords) -> Option<f64> {
             let ray =
                 DiscreteRay { u: column as i64 - geometry.shear_u() as i64, v: row as i64 - geometry.shear_v() as i64 };
             let opaque = |k: &usize| {
-                machine.sample(ray, *k as i64).is_some_and(|sample| {
-                    setup.classification.opacity[(sample as u32 >> setup.classification.index_shift) as usize] >= half
-                })
+                let (k, table) = (*k as i64, &setup.classification);
+                let inside = setup.clips.iter().all(|clip| clip.distance.at(ray.u, ray.v, k) >= 0);
+                let Some(sample) = machine.sample(ray, k).filter(|_| inside) else {
+                    return false;
+                };
+                let magnitude = match (&table.gradient_rows, &setup.normaliser) {
+                    (Some(_), Some(normaliser)) => {
+                        let words = gradient(&machine.around(ray, k, registers.border), registers, &setup.words).value;
+                        normalise(words, normaliser, &setup.words).magnitude
+                    }
+                    _ => 0,
+                };
+                classify(sample, magnitude, table).is_some_and(|(opacity, _)| opacity >= half)
             };
             if let Some(k) = (0..geometry.size[2]).find(opaque) {
-                let around: Neighbourhood = [0, 1, 2].map(|w| {
-                    [0, 1, 2].map(|v| {
-                        [0, 1, 2].map(|u| {
-                            let ray = DiscreteRay { u: ray.u + u - 1, v: ray.v + v - 1 };
-                            machine.sample(ray, k as i64 + w - 1).unwrap_or(registers.border)
-                        })
-                    })
-                });
-                let words = gradient(&around, registers, &setup.words).value;
+                let words = gradient(&machine.around(ray, k as i64, registers.border), registers, &setup.words).value;
                 let world = basis.world(&geometry.axes, words.map(f64::from));
                 let at = geometry.axes.voxel_position(geometry.size, geometry.sample_position(ray, k));
                 pairs.push((world.to_array(), true_gradient(volume, at).to_array()));
@@ -57,6 +59,14 @@ struct Samples<'a> {
 }
 
 impl Samples<'_> {
+    fn around(&self, ray: DiscreteRay, k: i64, border: i32) -> Neighbourhood {
+        [-1, 0, 1].map(|w| {
+            [-1, 0, 1].map(|v| {
+                [-1, 0, 1].map(|u| self.sample(DiscreteRay { u: ray.u + u, v: ray.v + v }, k + w).unwrap_or(border))
+            })
+        })
+    }
+
     fn sample(&self, ray: DiscreteRay, k: i64) -> Option<i32> {
         let geometry = &self.setup.geometry;
         if !geometry.has_sample(ray, k) {

@@ -8,7 +8,8 @@ use cube3_report::{Figure, html, png_rgb8, to_json, to_rgb8};
 use cube3_scene::Scene;
 use std::path::Path;
 
-/// Writes report, pictures, and the resolved scene and machine into a folder, which is made if it is not there.
+/// Writes report, pictures, and the resolved scene and machine into a folder, which is made if it is not there. Pictures that
+/// an earlier run left there and this one did not make are removed.
 ///
 /// # Errors
 /// What cannot be written, with its path.
@@ -26,10 +27,13 @@ pub fn write_run(folder: &Path, result: &RunResult, scene: &Scene, machine: &Mac
     ];
     let mut files: Vec<(&str, Vec<u8>)> = Vec::new();
     let mut shown = Vec::new();
+    let mut not_made = Vec::new();
     for (name, title, caption, picture) in figures {
         if let Some(picture) = picture {
             files.push((name, png(picture)?));
             shown.push((files.len() - 1, title, caption));
+        } else {
+            not_made.push(name);
         }
     }
     let page: Vec<Figure> =
@@ -50,6 +54,13 @@ pub fn write_run(folder: &Path, result: &RunResult, scene: &Scene, machine: &Mac
         let result = std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, &path));
         result.map_err(|error| failed(&path, error))?;
         written.push(path.display().to_string());
+    }
+    // A picture of an earlier run beside this report would be taken for this run's.
+    for path in not_made.iter().map(|name| folder.join(name)) {
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(failed(&path, error)),
+            _ => {}
+        }
     }
     Ok(written)
 }

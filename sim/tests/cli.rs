@@ -90,6 +90,16 @@ fn what_was_written_runs_again_to_the_same_bits() {
 }
 
 #[test]
+fn a_run_without_a_reference_leaves_none_of_an_earlier_one() {
+    let folder = tempfile::tempdir().unwrap();
+    small(folder.path(), &[]);
+    small(folder.path(), &["--reference", "none"]);
+    assert!(!folder.path().join("out/reference.png").exists());
+    assert!(!folder.path().join("out/difference.png").exists());
+    assert!(folder.path().join("out/image.png").exists());
+}
+
+#[test]
 fn threads_change_nothing_but_the_wall_time() {
     let folder = tempfile::tempdir().unwrap();
     let mut reports = ["1", "2", "5"].map(|threads| {
@@ -147,7 +157,9 @@ fn mistakes_get_one_message_and_exit_code_2_and_lose_nothing() {
         "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 90 90 90\nencoding: raw\n\nabc",
     )
     .unwrap();
-    let cases: [(&[&str], &str); 9] = [
+    let cases: [(&[&str], &str); 11] = [
+        (&["--mode", "mip"], "maximum"),
+        (&["--volume", "a.nrrd", "--phantom", "head"], "cannot be used with"),
         (&["--scene", "bad-scene.toml"], "bad-scene.toml:3"),
         (&["--scene", "missing.toml"], "missing.toml"),
         (&["--machine", "bad-machine.toml"], "lanes = 0 is outside 1 to 4096"),

@@ -320,7 +320,7 @@ impl MachineSpec {
     pub fn from_toml(text: &str, place: &str) -> Result<MachineSpec, MachineError> {
         let machine: MachineSpec = toml::from_str(text).map_err(|error| {
             let line = error.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
-            let place = if line > 0 { format!("{place}, line {line}") } else { place.to_owned() };
+            let place = if line > 0 { format!("{place}:{line}") } else { place.to_owned() };
             MachineError::Syntax { place, reason: error.message().to_owned() }
         })?;
         machine.check(place)?;
@@ -415,9 +415,9 @@ mod tests {
     #[test]
     fn mistakes_are_named_with_their_place() {
         let error = |text: &str| MachineSpec::from_toml(text, "m.toml").unwrap_err().to_string();
-        assert!(error("lanse = 3").starts_with("m.toml, line 1: unknown field `lanse`"), "{}", error("lanse = 3"));
+        assert!(error("lanse = 3").starts_with("m.toml:1: unknown field `lanse`"), "{}", error("lanse = 3"));
         assert_eq!(error("lanes = 0"), "m.toml: lanes = 0 is outside 1 to 4096");
         assert_eq!(error("[words]\nvoxel_bits = 40"), "m.toml: words.voxel_bits = 40 is outside 1 to 16");
-        assert!(error("[abc]\ngradient = \"7\"").contains("line 2"));
+        assert!(error("[abc]\ngradient = \"7\"").starts_with("m.toml:2: "));
     }
 }

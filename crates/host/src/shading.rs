@@ -50,7 +50,7 @@ fn phong(scene: &Scene, machine: &MachineSpec, lights: &[LocalLight]) -> Phong {
     let steps = f64::from(1_u32 << power_bits);
     let power = (0..=1_u32 << power_bits).map(|i| {
         let x = f64::from(i) / steps;
-        (x.powf(material.shininess) * f64::from(1_u32 << words.colour_bits)).round() as u32
+        (libm::pow(x, material.shininess) * f64::from(1_u32 << words.colour_bits)).round() as u32
     });
     Phong {
         ambient: intensity(material.ambient, words.colour_bits),
@@ -73,8 +73,8 @@ fn phong(scene: &Scene, machine: &MachineSpec, lights: &[LocalLight]) -> Phong {
 pub(crate) fn normaliser(machine: &MachineSpec) -> Normaliser {
     let bits = machine.words.normal_bits;
     let root_bits = machine.abc.root_bits.min(2 * bits - 2);
-    let bin = f64::from(2 * bits - 2 - root_bits).exp2();
-    let top = f64::from(2 * bits - 1).exp2();
+    let bin = f64::from(1_u32 << (2 * bits - 2 - root_bits));
+    let top = f64::from(1_u32 << (2 * bits - 1));
     let root = (1_u32 << root_bits..12 << root_bits)
         .map(|index| (top / ((f64::from(index) + 0.5) * bin).sqrt()).round() as u32)
         .map(|root| root.min(1 << bits))
@@ -110,7 +110,7 @@ fn reflectance(scene: &Scene, machine: &MachineSpec, lights: &[LocalLight]) -> R
                     };
                     for i in 0..3 {
                         lit[i] += material.diffuse * light.colour[i] * cosine;
-                        shine[i] += material.specular * light.colour[i] * half.powf(material.shininess);
+                        shine[i] += material.specular * light.colour[i] * libm::pow(half, material.shininess);
                     }
                 }
                 diffuse.push(lit.map(|x| intensity(x, colour_bits)));

@@ -89,7 +89,7 @@ pub struct ViewReport {
     pub slopes: [f64; 2],
     /// o, the place of a sample between two planes, from 0 to below 1.
     pub offset: f64,
-    /// The rule for discrete rays, `sample floor` or `plane floor`.
+    /// The rule for discrete rays, `sample-floor` or `plane-floor`, and the ray slots.
     pub template_rule: String,
     /// Width and height of the base plane in pixels.
     pub base_plane_size: [usize; 2],
@@ -126,8 +126,8 @@ pub struct TimingReport {
     pub frame_time_s: f64,
     /// Frames per second one after another: `1 / frame_time_s`.
     pub fps: f64,
-    /// Frames per second when the next frame enters behind the last beam of this one, so that no
-    /// frame but the first pays for filling the pipeline: `clock_hz / (cycles − fill_cycles)`.
+    /// Upper bound of the frames per second when the next frame enters behind the last beam of this one, so that no
+    /// frame but the first pays for filling the pipeline, and no port stalls: `clock_hz / (cycles − fill_cycles)`.
     pub fps_sustained: f64,
     /// Beams fetched from the cubic frame buffer.
     pub beams: u64,
@@ -137,7 +137,7 @@ pub struct TimingReport {
     pub ray_slots: u64,
     /// `samples / frame_time_s`, in samples per second.
     pub samples_per_s: f64,
-    /// Cycles before the first pixel leaves the pipeline.
+    /// Cycles of the frame beyond those that the busier of its two sides, beams in or rays out, needs for its tokens.
     pub fill_cycles: u64,
 }
 
@@ -154,7 +154,7 @@ pub struct TimingCounts {
     pub samples: u64,
     /// Ray slots, used or not.
     pub ray_slots: u64,
-    /// Cycles before the first pixel leaves the pipeline.
+    /// Cycles of the frame beyond those that the busier of its two sides, beams in or rays out, needs for its tokens.
     pub fill_cycles: u64,
 }
 
@@ -234,7 +234,7 @@ pub struct WordsReport {
 /// The image against its reference.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ErrorReport {
-    /// What the image was compared with, such as `image-order, step 0.5`.
+    /// What the image was compared with, such as `image-order`.
     pub against: String,
     /// Over the whole image: `mean_relative`, `rms`, `max`, `psnr_db` and `fraction_off`.
     #[serde(flatten)]
@@ -290,7 +290,7 @@ pub struct WallReport {
     pub cycle_s: Option<f64>,
     /// The reference ray caster.
     pub reference_s: Option<f64>,
-    /// The whole command, reading and writing included.
+    /// Set-up, runs, reference and measuring together; reading the volume and writing the files are not in it.
     pub total_s: Option<f64>,
     /// Samples per second of the function run.
     pub samples_per_s: Option<f64>,

@@ -88,8 +88,7 @@ pub enum VolumeError {
     },
     /// A bare raw file came without a layout.
     #[error(
-        "{file}: a raw file does not say what it holds; give its dimensions (x y z), its sample \
-         type (u8, i8, u16, i16, u32, i32, f32 or f64) and its endian (little or big)"
+        "{file}: a raw file does not say what it holds; give its size and type (on the command line --dims 256x256x99 --type u8)"
     )]
     RawLayoutMissing {
         /// The file, as given.
