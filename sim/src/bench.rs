@@ -2,7 +2,7 @@
 
 use crate::function::{CanonicalVolume, render};
 use crate::inputs::{self, LoadedVolume};
-use crate::machine::Machine;
+use crate::machine::{Machine, RunError};
 use crate::problem::Outcome;
 use cube3_channel::{Channel, Pipe, Unit};
 use cube3_host::{Frame, MachineSpec, VolumeInfo, frame_setup};
@@ -181,12 +181,10 @@ fn timing(plan: &Plan) -> Outcome<(u64, f64)> {
     let mut failed = None;
     let time = seconds(plan.repeats, || match Machine::timing(&machine, frame.setup.clone()) {
         Ok(mut machine) => {
-            if let Err(error) = machine.run(&|_, _| {}) {
-                failed = Some(error);
-            }
+            failed = machine.run(&|_, _| {}).err().map(RunError::from);
             cycles = machine.counters().cycles;
         }
-        Err(_) => cycles = 0,
+        Err(error) => failed = Some(error),
     });
     match failed {
         Some(error) => Err(error.into()),

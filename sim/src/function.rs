@@ -296,7 +296,7 @@ impl<'a, T: Accumulator> Worker<'a, T> {
                 }
                 let plane = &samples[(v + dv as i64 - 1).rem_euclid(3) as usize];
                 let column = from + i64::from(geometry.u.columns[depth]);
-                &plane.row(depth)[(column - 1) as usize + MARGIN..][..n + 2]
+                &plane.row(depth)[(column - 1 + MARGIN as i64) as usize..][..n + 2]
             };
             let rows: [[&[i32]; 3]; 3] = [0, 1, 2].map(|w| [0, 1, 2].map(|dv| row(w, dv)));
             self.shaded.present.clear();

@@ -36,7 +36,7 @@ pub fn machine(name: &str) -> Outcome<MachineSpec> {
 pub struct LoadedVolume {
     /// Where it comes from, for the report.
     pub source: String,
-    /// The data.
+    /// The data; masked voxels have the value of word 0.
     pub data: Volume,
     /// The machine's words.
     pub words: VoxelWords,
@@ -81,6 +81,12 @@ pub fn volume(scene: &Scene, machine: &MachineSpec, options: &ReadOptions, mask:
         non_finite: if mask { NonFiniteRule::Mask } else { NonFiniteRule::Refuse },
     };
     let (words, conversion) = data.to_words(machine.words.voxel_bits, &conversion)?;
+    let data = if conversion.masked > 0 {
+        let low = words.window[0];
+        data.map::<f64>(|value| if value.is_finite() { value } else { low })
+    } else {
+        data
+    };
     Ok(LoadedVolume { source, data, words, conversion })
 }
 

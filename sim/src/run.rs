@@ -109,6 +109,8 @@ pub struct RunResult {
     pub report: RunReport,
     /// The pictures.
     pub pictures: Pictures,
+    /// What a person should know, in sentences.
+    pub notes: Vec<String>,
 }
 
 /// What the machine has given: counters, base plane, saturated words, and the seconds each run took.
@@ -202,7 +204,8 @@ pub fn run_frame(
         },
     };
     report.check()?;
-    Ok(RunResult { report, pictures })
+    let notes = notes(scene, volume, run.base.as_ref(), samples);
+    Ok(RunResult { report, pictures, notes })
 }
 
 fn run_machine(
@@ -259,6 +262,27 @@ fn function(frame: &Frame, volume: &LoadedVolume, skip: bool) -> (FunctionRun, f
     let turned = CanonicalVolume::new(&frame.setup.geometry.axes, volume.words.dims, &volume.words.words);
     let run = render(&frame.setup, &turned, skip, &|done, all| progress.set(done, all));
     (run, progress.finish())
+}
+
+/// Why a picture is empty, where it is.
+fn notes(scene: &Scene, volume: &LoadedVolume, base: Option<&BasePlane>, samples: u64) -> Vec<String> {
+    if base.is_none_or(|base| base.pixels.iter().any(|pixel| pixel[3] > 0)) {
+        return Vec::new();
+    }
+    let [low, high] = volume.words.window;
+    let layers = scene.transfer.layers.iter().flat_map(|layer| &layer.opacity);
+    let mut points = scene.transfer.opacity.iter().chain(layers).filter(|point| point[1] > 0.0);
+    let why = match points.next() {
+        _ if samples == 0 => {
+            "the volume has no sample in this view; try another view, or rays.offset = 0 in the machine file".to_owned()
+        }
+        None => "the transfer function is transparent everywhere".to_owned(),
+        Some(point) => format!(
+            "data values are {low} to {high}, and the transfer function's first opacity above 0 is at {}",
+            point[0]
+        ),
+    };
+    vec![format!("nothing is visible: {why}")]
 }
 
 /// Raw pixels of a base plane: each word as 32 bits, little-endian.

@@ -19,7 +19,11 @@ fn small(folder: &Path, more: &[&str]) -> Output {
 }
 
 fn report(folder: &Path) -> serde_json::Value {
-    serde_json::from_str(&std::fs::read_to_string(folder.join("out/report.json")).unwrap()).unwrap()
+    report_in(folder, "out")
+}
+
+fn report_in(folder: &Path, out: &str) -> serde_json::Value {
+    serde_json::from_str(&std::fs::read_to_string(folder.join(out).join("report.json")).unwrap()).unwrap()
 }
 
 #[test]
@@ -81,10 +85,12 @@ fn what_was_written_runs_again_to_the_same_bits() {
     let first = report(folder.path());
     let output = cube3(
         folder.path(),
-        &["run", "--scene", "out/scene.toml", "--machine", "out/machine.toml", "--out", "out", "--fidelity", "cycle"],
+        &["run", "--scene", "out/scene.toml", "--machine", "out/machine.toml", "--out", "again", "--fidelity", "cycle"],
     );
     assert!(output.status.success(), "{}", text(&output.stderr));
-    let second = report(folder.path());
+    let second = report_in(folder.path(), "again");
+    let over = cube3(folder.path(), &["run", "--scene", "out/scene.toml", "--out", "out"]);
+    assert_eq!(over.status.code(), Some(2), "a scene that is read is not written over");
     assert_eq!(first["digest"], second["digest"]);
     assert_eq!(first["timing"], second["timing"]);
 }
@@ -157,7 +163,7 @@ fn mistakes_get_one_message_and_exit_code_2_and_lose_nothing() {
         "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 90 90 90\nencoding: raw\n\nabc",
     )
     .unwrap();
-    let cases: [(&[&str], &str); 11] = [
+    let cases: [(&[&str], &str); 12] = [
         (&["--mode", "mip"], "maximum"),
         (&["--volume", "a.nrrd", "--phantom", "head"], "cannot be used with"),
         (&["--scene", "bad-scene.toml"], "bad-scene.toml:3"),
@@ -165,7 +171,8 @@ fn mistakes_get_one_message_and_exit_code_2_and_lose_nothing() {
         (&["--machine", "bad-machine.toml"], "lanes = 0 is outside 1 to 4096"),
         (&["--machine", "cube9"], "cube3-128"),
         (&["--machine", "stuck.toml"], "dsb.write waits for dsb.read"),
-        (&["--threads", "0"], "at least 1"),
+        (&["--threads", "0"], "give 1 to 256"),
+        (&["--threads", "99999"], "give 1 to 256"),
         (&["--dims", "2x2x2"], "--dims and --type go together"),
         (&["--phantom", "kidney"], "head"),
         (&["--tilt", "nan"], "tilt"),

@@ -29,7 +29,10 @@ impl SmallVolume {
 /// Volumes of 1 to `most` voxels a side, of words below `2^bits`, cubes of unit voxels or not.
 pub fn volumes(most: usize, bits: u32) -> impl Strategy<Value = SmallVolume> {
     let dims = prop_oneof![(1..=most).prop_map(|n| [n; 3]), [1..=most, 1..=most, 1..=most]];
-    let spacing = prop_oneof![3 => Just([1.0; 3]), 1 => [0.5..2.0_f64, 0.5..2.0_f64, 0.5..2.0_f64]];
+    let sides = [0.5..2.0_f64, 0.5..2.0_f64, 0.5..2.0_f64];
+    let extreme =
+        proptest::sample::select(vec![[1.0, 1.0, 1000.0], [1000.0, 1.0, 1.0], [1.0, 1e-3, 1.0], [1e6, 1.0, 30.0]]);
+    let spacing = prop_oneof![6 => Just([1.0; 3]), 2 => sides, 1 => extreme];
     (dims, spacing, any::<u64>()).prop_map(move |(dims, spacing, seed)| {
         let mut state = seed | 1;
         let words = (0..dims.iter().product::<usize>())
@@ -44,8 +47,8 @@ pub fn volumes(most: usize, bits: u32) -> impl Strategy<Value = SmallVolume> {
 
 /// Legal word lengths of every kind.
 pub fn words() -> impl Strategy<Value = Words> {
-    let first = (1_u32..=16, 0_u32..=10, 0_u32..=4, 0.0..=1.0_f64, 4_u32..=15, 0.0..=1.0_f64);
-    let second = (1_u32..=4, 1_u32..=16, 1_u32..=16, 1_u32..=32, any::<bool>());
+    let first = (1_u32..=16, 0_u32..=12, 0_u32..=8, 0.0..=1.0_f64, 4_u32..=15, 0.0..=1.0_f64);
+    let second = (1_u32..=8, 1_u32..=16, 1_u32..=16, 1_u32..=32, any::<bool>());
     let any = (first, second).prop_map(
         |((voxel, weight, fraction, gradient, normal, table), (rows, colour, opacity, accumulator, truncate))| {
             let pick = |part: f64, low: u32, high: u32| low + (part * f64::from(high - low)) as u32;
@@ -55,7 +58,7 @@ pub fn words() -> impl Strategy<Value = Words> {
                 sample_fraction_bits: fraction,
                 gradient_bits: pick(gradient, 2, (voxel + fraction + 1).min(24)),
                 normal_bits: normal,
-                table_bits: pick(table, 1, (voxel + fraction).min(12)),
+                table_bits: pick(table, 1, (voxel + fraction).min(16)),
                 table_gradient_bits: rows,
                 colour_bits: colour,
                 opacity_bits: opacity,
@@ -157,8 +160,10 @@ pub fn scenes() -> impl Strategy<Value = Scene> {
             two_sided,
         },
     );
-    let cut = (vector, [0.0..6.0_f64, 0.0..6.0_f64, 0.0..6.0_f64])
-        .prop_map(|(normal, through_voxel)| Cut { normal, through_voxel });
+    let near = || 0.0..6.0_f64;
+    let far = proptest::sample::select(vec![-1e300, -3e9, -1e9, 1e9, 1e10, 1e30]);
+    let through = prop_oneof![6 => [near(), near(), near()], 1 => [near().boxed(), far.boxed(), near().boxed()]];
+    let cut = (vector, through).prop_map(|(normal, through_voxel)| Cut { normal, through_voxel });
     let crop = [(0.0..3.0_f64, 3.0..7.0_f64), (0.0..3.0_f64, 3.0..7.0_f64), (0.0..3.0_f64, 3.0..7.0_f64)]
         .prop_map(|sides| Crop { min_voxel: sides.map(|s| s.0), max_voxel: sides.map(|s| s.1) });
     let cue = (unit(), unit()).prop_map(|(front, back)| DepthCue { front, back });

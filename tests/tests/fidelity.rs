@@ -3,8 +3,9 @@
 use cube3::function::{CanonicalVolume, FunctionRun, render};
 use cube3::machine::Machine;
 use cube3_host::{FrameSetup, MachineSpec, RaySlots, Rays, frame_setup};
-use cube3_scene::Scene;
+use cube3_scene::{Mode, Scene};
 use cube3_tests::{SmallVolume, machines, scenes, volumes};
+use cube3_word::Words;
 use proptest::prelude::*;
 
 fn setup(scene: &Scene, machine: &MachineSpec, volume: &SmallVolume, plan: bool) -> FrameSetup {
@@ -67,5 +68,36 @@ proptest! {
         let planned = function(&setup(&scene, &machine, &volume, true), &volume, true);
         let everything = function(&setup(&scene, &machine, &volume, false), &volume, false);
         prop_assert_eq!(planned.base, everything.base);
+    }
+}
+
+/// The opacity that makes a sample opaque is compared in the table's own words, so that the plateau of the transfer function
+/// is reached by itself.
+#[test]
+fn the_opacity_of_the_plateau_is_opaque_in_every_word_length() {
+    let volume = SmallVolume { dims: [4; 3], spacing: [1.0; 3], words: vec![u16::MAX; 64] };
+    let mut scene = Scene { mode: Mode::FirstOpaque, ..Scene::default() };
+    scene.transfer.opaque_alpha = 0.75;
+    for opacity_bits in 1..=16 {
+        for accumulator_bits in [opacity_bits, 16, 23, 32] {
+            let words = Words { opacity_bits, accumulator_bits, ..Words::default() };
+            let machine = MachineSpec { words, ..MachineSpec::default() };
+            let run = function(&setup(&scene, &machine, &volume, true), &volume, true);
+            assert!(run.base.pixels.iter().any(|pixel| pixel[3] > 0), "{opacity_bits}, {accumulator_bits}");
+        }
+    }
+}
+
+/// A ray that is full from end to end is full in the mean, to the rounding of its weight, and nothing overflows.
+#[test]
+fn a_full_ray_has_a_full_mean() {
+    for depth in [1, 2, 3, 6, 300, 3972] {
+        let volume = SmallVolume { dims: [1, 1, depth], spacing: [1.0; 3], words: vec![u16::MAX; depth] };
+        let mut scene = Scene { mode: Mode::WeightedSum, ..Scene::default() };
+        scene.view.direction = Some([0.0, 0.0, 1.0]);
+        scene.transfer.opacity = vec![[0.0, 1.0]];
+        let machine = MachineSpec { rays: Rays { offset: 0.0, ..Rays::default() }, ..MachineSpec::default() };
+        let run = function(&setup(&scene, &machine, &volume, true), &volume, true);
+        assert_eq!((run.base.pixels[0], run.overflows.pixel), ([65535; 4], 0), "{depth}");
     }
 }

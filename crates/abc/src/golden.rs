@@ -1,8 +1,8 @@
 //! Gradient, classification and shading of one sample. The definition.
 
 use cube3_host::{
-    Classification, FrameSetup, GradientMethod, GradientRegisters, LinearFactor, Normaliser, Phong, ReflectanceTable,
-    Shading,
+    Classification, FrameSetup, GradientMethod, GradientRegisters, GradientScale, LinearFactor, Normaliser, Phong,
+    ReflectanceTable, Shading,
 };
 use cube3_word::{Words, lerp, saturate, unit_full};
 
@@ -19,7 +19,7 @@ pub struct Counted<T> {
     pub overflows: u32,
 }
 
-/// The gradient of a sample, three signed words of `gradient_bits`.
+/// The gradient of a sample, three signed words of `gradient_bits` and what the scale keeps below them.
 ///
 /// Each component stands for the difference of two samples that are two voxels (or two steps) apart, without
 /// the low bits that the word has no room for.
@@ -27,14 +27,15 @@ pub fn gradient(s: &Neighbourhood, registers: &GradientRegisters, words: &Words)
     let (differences, extra) = differences(s, registers, words);
     let mut overflows = 0;
     let value = [0, 1, 2].map(|i| {
-        let scaled = match registers.scale {
+        let (scaled, kept) = match &registers.scale {
             Some(scale) => {
-                words.rounding.shift_right(differences[i] * i64::from(scale[i]), GradientRegisters::SCALE_BITS)
+                let product = differences[i] * i64::from(scale.factors[i]);
+                (words.rounding.shift_right(product, GradientScale::FACTOR_BITS - scale.kept_bits), scale.kept_bits)
             }
-            None => differences[i],
+            None => (differences[i], 0),
         };
         let (word, saturated) =
-            saturate(words.rounding.shift_right(scaled, words.gradient_drop() + extra), words.gradient_bits);
+            saturate(words.rounding.shift_right(scaled, words.gradient_drop() + extra), words.gradient_bits + kept);
         overflows += u32::from(saturated);
         word
     });
@@ -122,11 +123,11 @@ pub fn normalise(gradient: [i32; 3], table: &Normaliser, words: &Words) -> Norma
 }
 
 /// The product of block and direction in the gradient's words: the block was shifted left by `zeros + bits − 32`, and the
-/// direction has a fraction of `bits − 1`. A gradient of 24 bits has 8 zeros; with 4 `bits` that is 17 bits to the left.
+/// direction has a fraction of `bits − 1`. A gradient of 31 bits has 1 zero; with 4 `bits` that is 24 bits to the left.
 #[inline(always)]
 pub(crate) fn magnitude(length: u64, zeros: u32, bits: u32) -> u32 {
-    let back = zeros + 2 * bits - 16;
-    (((length << 17) + (1 << back >> 1)) >> back) as u32
+    let back = zeros + 2 * bits - 9;
+    (((length << 24) + (1 << back >> 1)) >> back) as u32
 }
 
 /// Diffuse and specular light on a sample: what multiplies its colour (fractions of `colour_bits`) and what is added
@@ -145,8 +146,9 @@ pub fn phong(normal: [i32; 3], phong: &Phong, words: &Words) -> Light {
     let one = 1_i64 << one_bits;
     let cosine = |direction: [i32; 3]| {
         let dot: i64 = (0..3).map(|i| i64::from(normal[i]) * i64::from(direction[i])).sum();
-        let dot = words.rounding.shift_right(dot, one_bits);
-        if phong.two_sided { dot.abs().min(one) } else { dot.clamp(0, one) }
+        // The back is lit as the front, to the bit: the magnitude is taken before it is rounded.
+        let dot = if phong.two_sided { dot.abs() } else { dot.max(0) };
+        words.rounding.shift_right(dot, one_bits).min(one)
     };
     let mut light = Light { diffuse: [phong.ambient; 3], specular: [0; 3] };
     for source in &phong.lights {

@@ -5,8 +5,8 @@
 
 use crate::golden;
 use cube3_host::{
-    Classification, FrameSetup, GradientMethod, GradientRegisters, LinearFactor, Normaliser, Phong, ReflectanceTable,
-    Shading,
+    Classification, FrameSetup, GradientMethod, GradientRegisters, GradientScale, LinearFactor, Normaliser, Phong,
+    ReflectanceTable, Shading,
 };
 use cube3_word::{Shift, Words, unit_full};
 
@@ -316,12 +316,12 @@ fn dot(direction: &[Vec<i32>; 3], light: [i32; 3], two_sided: bool, words: &Word
     if two_sided {
         for lane in 0..n {
             let dot = u[lane] * light[0] + v[lane] * light[1] + w[lane] * light[2];
-            out[lane] = shift.apply32(dot).abs().min(one);
+            out[lane] = shift.apply32(dot.abs()).min(one);
         }
     } else {
         for lane in 0..n {
             let dot = u[lane] * light[0] + v[lane] * light[1] + w[lane] * light[2];
-            out[lane] = shift.apply32(dot).clamp(0, one);
+            out[lane] = shift.apply32(dot.max(0)).min(one);
         }
     }
 }
@@ -492,7 +492,7 @@ impl ClassifyLanes {
 struct GradientLanes {
     method: GradientMethod,
     weights: [i32; 2],
-    scale: Option<[u32; 3]>,
+    factors: Option<[u32; 3]>,
     lerp: Shift,
     scaling: Shift,
     drop: Shift,
@@ -507,16 +507,16 @@ impl GradientLanes {
         let extra = if weighted { 4 } else { 0 };
         // Bits of a difference, of a product of it, and of a sum of two.
         let bits = words.sample_bits() + extra + u32::from(sheared) * 2;
-        let weight_bits =
-            words.weight_bits.max(if registers.scale.is_some() { GradientRegisters::SCALE_BITS } else { 0 });
+        let weight_bits = words.weight_bits.max(if registers.scale.is_some() { GradientScale::FACTOR_BITS } else { 0 });
+        let kept = registers.scale.map_or(0, |scale| scale.kept_bits);
         GradientLanes {
             method: registers.method,
             weights: registers.weights.map(|weight| weight as i32),
-            scale: registers.scale,
+            factors: registers.scale.map(|scale| scale.factors),
             lerp: words.rounding.by(words.weight_bits),
-            scaling: words.rounding.by(GradientRegisters::SCALE_BITS),
+            scaling: words.rounding.by(GradientScale::FACTOR_BITS - kept),
             drop: words.rounding.by(words.gradient_drop() + extra),
-            top: (1 << (words.gradient_bits - 1)) - 1,
+            top: ((1_i64 << (words.gradient_bits + kept - 1)) - 1) as i32,
             narrow: bits + weight_bits <= 30,
         }
     }
@@ -604,8 +604,8 @@ impl GradientLanes {
         let n = overflow.len();
         for (i, component) in components.into_iter().enumerate() {
             let component = &mut component[..n];
-            if let Some(scale) = self.scale {
-                let factor = scale[i] as i32;
+            if let Some(factors) = self.factors {
+                let factor = factors[i] as i32;
                 for word in component.iter_mut() {
                     *word = mul::<WIDE>(*word, factor, self.scaling);
                 }

@@ -153,7 +153,8 @@ fn the_hosts_registers_point_every_orthogonal_estimator_along_the_gradient() {
             let back = basis.world(&setup.geometry.axes, normal.direction.map(f64::from));
             let expected = basis.world(&setup.geometry.axes, basis.components(&setup.geometry.axes, world.into()));
             worst = worst.max(back.angle_between(expected).to_degrees());
-            let length = f64::from(normal.magnitude) / (2.0 * basis.scale(method).1);
+            let kept = setup.gradient.and_then(|registers| registers.scale).map_or(0, |scale| scale.kept_bits);
+            let length = f64::from(normal.magnitude) / f64::from(1_u32 << kept) / (2.0 * basis.scale(method).1);
             let true_length = expected.length();
             assert!((length - true_length).abs() < 0.004 * true_length + 4.0, "{length}, not {true_length}");
             assert!(

@@ -29,7 +29,7 @@ pub fn leaf(shaded: &Shaded, cone: &ConeRegisters, words: &Words) -> Node {
         [weighted[0], weighted[1], weighted[2], u64::from(opacity)]
     };
     match cone.mode {
-        Mode::FirstOpaque | Mode::LastOpaque if opacity < cone.opaque => Node::default(),
+        Mode::FirstOpaque | Mode::LastOpaque if shaded.opacity < cone.opaque => Node::default(),
         Mode::FirstOpaque | Mode::LastOpaque => {
             Node { present: true, sample: shaded.sample, rgba: pixel(unit_full(bits)) }
         }

@@ -223,7 +223,7 @@ impl<T: Accumulator> ConeLanes<T> {
             let word = widen.apply(opacity[i]);
             let word = if !opaque {
                 word
-            } else if word >= self.cone.opaque && shaded.present[from + i] != 0 {
+            } else if opacity[i] >= self.cone.opaque && shaded.present[from + i] != 0 {
                 full
             } else {
                 0

@@ -112,13 +112,13 @@ fn a_weighted_sum_is_the_mean_by_its_weight_and_is_held_at_white() {
         (counted.value, counted.overflows)
     };
     let two = [sample(200, 255), sample(100, 51)];
-    assert_eq!(of(1 << 15, &two), ([(200 + 20) / 2, 150, 0, 150], 0));
-    assert_eq!(of(1 << 14, &two), ([55, 75, 0, 75], 0));
+    assert_eq!(of(1 << 31, &two), ([(200 + 20) / 2, 150, 0, 150], 0));
+    assert_eq!(of(1 << 30, &two), ([55, 75, 0, 75], 0));
     // 220 and 300 with a weight of 1: what is above 255 is held and counted.
-    assert_eq!(of(1 << 16, &two), ([220, 255, 0, 255], 2));
+    assert_eq!(of(1 << 32, &two), ([220, 255, 0, 255], 2));
     // Three samples that take no part count in no sum.
     let absent = Shaded::default();
-    assert_eq!(of(1 << 15, &[absent, two[0], absent, two[1], absent]), ([110, 150, 0, 150], 0));
+    assert_eq!(of(1 << 31, &[absent, two[0], absent, two[1], absent]), ([110, 150, 0, 150], 0));
 }
 
 #[test]

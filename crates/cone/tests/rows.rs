@@ -113,9 +113,9 @@ proptest! {
     #[test]
     fn rows_have_the_golden_bits_in_every_mode(
         words in any_words(), depths in prop::collection::vec(any_depth(), 0..24), leaves in 1_usize..28,
-        opaque: u32, sum_weight in prop_oneof![0_u32..=65536, Just(65536_u32), Just(2731)], vectors: bool,
+        opaque: u32, sum_weight in prop_oneof![0_u64..=1 << 32, Just(1_u64 << 32), Just((1 << 32) / 24)], vectors: bool,
     ) {
-        let opaque = opaque & unit_full(words.accumulator_bits);
+        let opaque = opaque & unit_full(words.opacity_bits);
         let depths: Vec<Depth> = depths
             .into_iter()
             .map(|(row, skip)| Depth {
@@ -140,7 +140,7 @@ fn the_deepest_weighted_sum_fits_the_narrow_words() {
     let words = Words { accumulator_bits: 16, opacity_bits: 16, colour_bits: 16, ..Words::default() };
     let full = Shaded { present: true, sample: 1, opacity: 65535, colour: [65535; 3] };
     let depths = vec![Depth { row: Some((0, vec![full; 3])), skip: true }; 4096];
-    for sum_weight in [16, 17, 65536] {
+    for sum_weight in [1 << 20, (1 << 20) + 1, 1 << 32] {
         let cone = ConeRegisters { mode: Mode::WeightedSum, leaves: 100, opaque: 1, sum_weight };
         assert_rows::<u32>(&depths, &cone, &words, true);
         assert_rows::<u64>(&depths, &cone, &words, true);

@@ -1,6 +1,6 @@
 //! The classification tables: opacity and colour over the sample word.
 
-use crate::{Basis, Classification, Geometry, GradientRows, MachineSpec, VolumeInfo, step_length};
+use crate::{Basis, Classification, Geometry, GradientRows, MachineSpec, VolumeInfo, gradient_scale, step_length};
 use cube3_scene::{Mode, Scene, corrected_opacity};
 use cube3_word::{quantise_unit, unit_full};
 
@@ -16,9 +16,9 @@ pub(crate) fn gradient_rows(
     }
     let rows = 1_u32 << machine.words.table_gradient_bits;
     let unit = magnitude_unit(machine, volume, basis);
-    let shift = (0..=machine.words.gradient_bits)
+    let shift = (0..=30)
         .find(|&shift| f64::from(rows) * f64::from(1_u32 << shift) * unit >= scene.transfer.largest_gradient())
-        .unwrap_or(machine.words.gradient_bits);
+        .unwrap_or(30);
     Some(GradientRows { shift, rows })
 }
 
@@ -27,7 +27,8 @@ fn magnitude_unit(machine: &MachineSpec, volume: &VolumeInfo, basis: &Basis) -> 
     let words = &machine.words;
     let smallest = volume.spacing.iter().copied().fold(f64::INFINITY, f64::min);
     let (_, length) = basis.scale(machine.abc.gradient);
-    let dropped = f64::from(1_u32 << words.gradient_drop()) / f64::from(1_u32 << words.sample_fraction_bits);
+    let kept = gradient_scale(machine, basis).kept_bits;
+    let dropped = f64::from(1_u32 << words.gradient_drop()) / f64::from(1_u32 << (words.sample_fraction_bits + kept));
     let value = (volume.window[1] - volume.window[0]) / f64::from(unit_full(words.voxel_bits));
     value * dropped * 0.5 * smallest / length
 }

@@ -22,9 +22,13 @@ pub use machine::{
     Abc, Cfb, ChannelSize, Channels, Dsb, GradientMethod, MachineError, MachineSpec, Rays, Reuse, ShadingUnit, Trilin,
 };
 pub use registers::{
-    Classification, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, HalfSpace, Linear, LinearFactor,
-    Normaliser, Phong, PhongLight, ReflectanceTable, Shading,
+    Classification, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, HalfSpace, Linear,
+    LinearFactor, Normaliser, Phong, PhongLight, ReflectanceTable, Shading,
 };
-pub use setup::{Basis, Frame, HostError, LARGEST_SIDE, LeftOut, VolumeInfo, depth_range, frame_setup, step_length};
+pub(crate) use setup::gradient_scale;
+pub use setup::{
+    Basis, Frame, HostError, LARGEST_RATIO, LARGEST_SIDE, LeftOut, SPACING_RANGE, VolumeInfo, depth_range, frame_setup,
+    step_length,
+};
 pub use template::{SLOPE_FRACTION_BITS, Template, TemplateRule, largest_offset, slope_register};
 pub use warp::{BasePlane, over, warp, warp_reals};

@@ -342,10 +342,10 @@ impl MachineSpec {
         };
         check(self.schema == 1, "schema", self.schema.to_string(), "not a form that this program reads; it reads 1")?;
         check(
-            self.clock_hz.is_finite() && self.clock_hz > 0.0,
+            (1.0..=1e15).contains(&self.clock_hz),
             "clock_hz",
             self.clock_hz.to_string(),
-            "not a frequency; give hertz above 0",
+            "outside 1 to 10^15 hertz",
         )?;
         check((1..=4096).contains(&self.lanes), "lanes", self.lanes.to_string(), "outside 1 to 4096")?;
         self.words.check().map_err(|source| MachineError::Word { place: place.to_owned(), source })?;
@@ -356,7 +356,12 @@ impl MachineSpec {
             "outside 0 to below 1",
         )?;
         let skew = self.cfb.skew;
-        check(skew.iter().all(|a| a.abs() <= 4096), "cfb.skew", format!("{skew:?}"), "outside −4096 to 4096")?;
+        check(
+            skew.iter().all(|a| (-4096..=4096).contains(a)),
+            "cfb.skew",
+            format!("{skew:?}"),
+            "outside −4096 to 4096",
+        )?;
         check((1..=64).contains(&self.dsb.planes), "dsb.planes", self.dsb.planes.to_string(), "outside 1 to 64")?;
         let power_top = 11.min(self.words.normal_bits - 1);
         let power = self.abc.power_bits;
@@ -375,12 +380,17 @@ impl MachineSpec {
         let reflectance = self.abc.reflectance_bits;
         check((2..=8).contains(&reflectance), "abc.reflectance_bits", reflectance.to_string(), "outside 2 to 8")?;
         for (key, size) in self.channel.named() {
-            check((1..=65536).contains(&size.capacity), key, format!("{size:?}"), "a capacity outside 1 to 65536")?;
+            check(
+                (1..=65536).contains(&size.capacity),
+                key,
+                format!("capacity {}", size.capacity),
+                "outside 1 to 65536",
+            )?;
             check(
                 (1..=65536).contains(&size.latency),
                 key,
-                format!("{size:?}"),
-                "a latency outside 1 to 65536 cycles",
+                format!("latency {}", size.latency),
+                "outside 1 to 65536 cycles",
             )?;
         }
         Ok(())

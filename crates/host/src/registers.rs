@@ -120,15 +120,33 @@ pub struct GradientRegisters {
     /// Along u and v, fractions of the weight bits: du and dv for 12, 6d and 26d; the foot of the perpendicular
     /// for 10. Closed range [0, 1].
     pub weights: [u32; 2],
-    /// Factors of the three components, fractions of [`GradientRegisters::SCALE_BITS`], absent where all are 1.
-    pub scale: Option<[u32; 3]>,
+    /// Factors of the three components, absent where all are 1.
+    pub scale: Option<GradientScale>,
     /// The value of samples beyond the volume's border.
     pub border: i32,
 }
 
-impl GradientRegisters {
-    /// Fraction bits of the scale factors.
-    pub const SCALE_BITS: u32 = 12;
+/// Factors of the gradient's components: voxels that are not cubes, and estimators whose differences are taken over
+/// different lengths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct GradientScale {
+    /// Fractions of [`GradientScale::FACTOR_BITS`], 0 to 1.
+    pub factors: [u32; 3],
+    /// Bits of the products that the components keep below the gradient's word, so that a small factor does not lose them:
+    /// at most [`GradientScale::FACTOR_BITS`], and what [`GradientScale::room`] leaves.
+    pub kept_bits: u32,
+}
+
+impl GradientScale {
+    /// Fraction bits of a factor.
+    pub const FACTOR_BITS: u32 = 16;
+
+    /// Bits that a difference of a method leaves of 31.
+    pub fn room(method: GradientMethod, words: &Words) -> u32 {
+        let weighted = matches!(method, GradientMethod::TwentySix | GradientMethod::TwentySixSheared);
+        let sheared = matches!(method, GradientMethod::SixSheared | GradientMethod::TwentySixSheared);
+        30 - (words.sample_bits() + if weighted { 4 } else { 0 } + if sheared { 2 } else { 0 })
+    }
 }
 
 /// The normaliser's table of reciprocal roots.
@@ -201,13 +219,13 @@ pub struct ConeRegisters {
     pub mode: Mode,
     /// Leaves: a ray of more samples is reduced in chunks of this many, and the chunks in order.
     pub leaves: usize,
-    /// Opacity, unit word of the accumulator, from which a sample is opaque.
+    /// Opacity, unit word of `opacity_bits` above 0, from which a sample is opaque.
     pub opaque: u32,
-    /// Weight of the weighted sum, a fraction of [`ConeRegisters::WEIGHT_BITS`].
-    pub sum_weight: u32,
+    /// Weight of the weighted sum, a fraction of [`ConeRegisters::WEIGHT_BITS`], at most 1.
+    pub sum_weight: u64,
 }
 
 impl ConeRegisters {
     /// Fraction bits of the weighted sum's weight.
-    pub const WEIGHT_BITS: u32 = 16;
+    pub const WEIGHT_BITS: u32 = 32;
 }

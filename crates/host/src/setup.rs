@@ -1,8 +1,8 @@
 //! Makes the `FrameSetup`: scene and machine in, registers and tables out.
 
 use crate::{
-    Axes, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, HalfSpace, Linear, LinearFactor,
-    MachineSpec, ShadingUnit, canonical, classification, largest_offset, shading, slope_register,
+    Axes, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientScale, HalfSpace, Linear,
+    LinearFactor, MachineSpec, ShadingUnit, canonical, classification, largest_offset, shading, slope_register,
 };
 use cube3_scene::{Mode, Scene, SceneError, ViewFrame};
 use cube3_word::{quantise_fraction, quantise_unit};
@@ -21,12 +21,25 @@ pub struct VolumeInfo {
     pub window: [f64; 2],
 }
 
+/// Largest ratio of the sides of a voxel, and the range of a side.
+pub const LARGEST_RATIO: f64 = 1e6;
+/// Smallest and largest side of a voxel.
+pub const SPACING_RANGE: [f64; 2] = [1e-100, 1e100];
+
 /// Why a frame cannot be set up.
 #[derive(Debug, thiserror::Error)]
 pub enum HostError {
     /// The scene.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// Voxels too far from cubes, or too small or large to calculate with.
+    #[error(
+        "the voxel spacing {spacing:?} cannot be rendered: give sides from 1e-100 to 1e100, the longest at most 10^6 times the shortest"
+    )]
+    Spacing {
+        /// Sides of a voxel.
+        spacing: [f64; 3],
+    },
     /// A volume side out of range.
     #[error(
         "the volume has {dims:?} voxels along x, y, z; the machine's templates take 1 to {LARGEST_SIDE} each: crop or resample it"
@@ -59,13 +72,18 @@ pub struct LeftOut {
     pub saves: String,
 }
 
-/// Sets a frame up. With `plan`, what cannot change a bit of the picture is left out; without, every unit runs.
+/// Sets a frame up. With `plan`, what cannot change a bit of the picture is left out; without, gradient, normaliser, shading and
+/// depth cue run in every frame, on registers that change nothing where the scene does not ask for them.
 ///
 /// # Errors
 /// A view without a direction, and volumes too large for the registers.
 pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, plan: bool) -> Result<Frame, HostError> {
     if volume.dims.iter().any(|side| !(1..=LARGEST_SIDE).contains(side)) {
         return Err(HostError::Size { dims: volume.dims });
+    }
+    let [shortest, longest] = [f64::min, f64::max].map(|pick| volume.spacing.into_iter().fold(volume.spacing[0], pick));
+    if !(shortest >= SPACING_RANGE[0] && longest <= SPACING_RANGE[1] && longest <= shortest * LARGEST_RATIO) {
+        return Err(HostError::Spacing { spacing: volume.spacing });
     }
     let view = scene.view.frame()?;
     let geometry = geometry(machine, volume, &view);
@@ -91,11 +109,11 @@ pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, pl
         && plan
         && registers.scale.is_none()
     {
-        leave(
-            "gradient scale",
-            "the voxels are cubes and the estimator's frame has unit vectors",
-            "3 multipliers a lane".into(),
-        );
+        let why = match registers.method {
+            GradientMethod::Ten => "this estimator uses its differences as they are",
+            _ => "the voxels are cubes and the differences are taken over equal lengths",
+        };
+        leave("gradient scale", why, "3 multipliers a lane".into());
     }
     if !lit && plan {
         leave("shading unit", "this mode or material uses colours as they are", "normaliser and lights".into());
@@ -138,13 +156,17 @@ pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, pl
         classification: classification::tables(scene, machine, volume, &geometry, rows, &basis),
         gradient,
         normaliser: (normal_needed || !plan).then(|| shading::normaliser(machine)),
-        shading: lit.then(|| shading::registers(scene, machine, &view, &geometry, &basis)),
-        depth_cue: depth_cue(scene, &geometry, volume, &view),
+        shading: if lit {
+            Some(shading::registers(scene, machine, &view, &geometry, &basis))
+        } else {
+            (!plan).then(|| shading::neutral(machine))
+        },
+        depth_cue: depth_cue(scene, &geometry, volume, &view).or_else(|| (!plan).then(neutral_cue)),
         cone: ConeRegisters {
             mode: scene.mode,
             leaves: machine.lanes,
-            opaque: quantise_unit(scene.transfer.opaque_alpha, words.accumulator_bits).max(1),
-            sum_weight: quantise_fraction(1.0 / geometry.size[2] as f64, ConeRegisters::WEIGHT_BITS),
+            opaque: quantise_unit(scene.transfer.opaque_alpha, words.opacity_bits).max(1),
+            sum_weight: (1_u64 << ConeRegisters::WEIGHT_BITS) / geometry.size[2] as u64,
         },
         geometry,
     };
@@ -230,15 +252,26 @@ fn gradient_registers(machine: &MachineSpec, geometry: &Geometry, basis: &Basis,
         GradientMethod::Ten | GradientMethod::TenNormalised => basis.feet,
         _ => geometry.real_slopes(),
     };
-    let (factors, _) = basis.scale(method);
-    let scale = factors.map(|factor| quantise_fraction(factor, GradientRegisters::SCALE_BITS));
-    let unity = scale.iter().all(|&factor| factor == 1 << GradientRegisters::SCALE_BITS);
     GradientRegisters {
         method,
         weights: weights.map(|weight| quantise_fraction(weight, machine.words.weight_bits)),
-        scale: (!unity || !plan).then_some(scale),
+        scale: Some(gradient_scale(machine, basis)).filter(|scale| !is_unity(scale) || !plan),
         border: 0,
     }
+}
+
+/// The factors of a frame; where all are 1, nothing is kept below the gradient's word.
+pub(crate) fn gradient_scale(machine: &MachineSpec, basis: &Basis) -> GradientScale {
+    let method = machine.abc.gradient;
+    let (factors, _) = basis.scale(method);
+    let factors = factors.map(|factor| quantise_fraction(factor, GradientScale::FACTOR_BITS));
+    let scale = GradientScale { factors, kept_bits: 0 };
+    let kept_bits = GradientScale::FACTOR_BITS.min(GradientScale::room(method, &machine.words));
+    if is_unity(&scale) { scale } else { GradientScale { kept_bits, ..scale } }
+}
+
+fn is_unity(scale: &GradientScale) -> bool {
+    scale.factors.iter().all(|&factor| factor == 1 << GradientScale::FACTOR_BITS)
 }
 
 /// A function `normal · p + constant` of the voxel position, over rays and depths.
@@ -246,12 +279,14 @@ fn linear(geometry: &Geometry, normal: [f64; 3], constant: f64, fraction_bits: u
     let [du, dv] = geometry.real_slopes();
     let along = normal[0] * du + normal[1] * dv + normal[2];
     let one = (1_u64 << fraction_bits) as f64;
-    let quantise = |x: f64| (x * one).round() as i64;
+    // A plane farther away than this decides nothing, and sums over any volume stay within 64 bits.
+    let quantise = |x: f64, most: f64| (x * one).clamp(-most, most).round() as i64;
+    let (steep, far) = (2_f64.powi(46), 2_f64.powi(60));
     Linear {
-        u: quantise(normal[0]),
-        v: quantise(normal[1]),
-        k: quantise(along),
-        constant: quantise(constant + geometry.real_offset() * along),
+        u: quantise(normal[0], steep),
+        v: quantise(normal[1], steep),
+        k: quantise(along, steep),
+        constant: quantise(constant + geometry.real_offset() * along, far),
     }
 }
 
@@ -292,6 +327,11 @@ fn clips(scene: &Scene, geometry: &Geometry) -> Vec<HalfSpace> {
         }
     }
     clips
+}
+
+/// A factor of 1 everywhere.
+fn neutral_cue() -> LinearFactor {
+    LinearFactor { factor: Linear { u: 0, v: 0, k: 0, constant: 1 << LinearFactor::FRACTION_BITS } }
 }
 
 /// The cue along the view, from the nearest corner voxel, which is canonical (0, 0, 0), to the farthest.

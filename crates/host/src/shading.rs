@@ -72,7 +72,7 @@ fn phong(scene: &Scene, machine: &MachineSpec, lights: &[LocalLight]) -> Phong {
 /// The normaliser's table.
 pub(crate) fn normaliser(machine: &MachineSpec) -> Normaliser {
     let bits = machine.words.normal_bits;
-    let root_bits = machine.abc.root_bits.min(2 * bits - 2);
+    let root_bits = machine.abc.root_bits;
     let bin = f64::from(1_u32 << (2 * bits - 2 - root_bits));
     let top = f64::from(1_u32 << (2 * bits - 1));
     let root = (1_u32 << root_bits..12 << root_bits)
@@ -80,6 +80,18 @@ pub(crate) fn normaliser(machine: &MachineSpec) -> Normaliser {
         .map(|root| root.min(1 << bits))
         .collect();
     Normaliser { root, root_bits }
+}
+
+/// A Phong unit without lights that leaves colours as they are.
+pub(crate) fn neutral(machine: &MachineSpec) -> Shading {
+    let power_bits = machine.abc.power_bits;
+    Shading::Phong(Phong {
+        ambient: 1 << machine.words.colour_bits,
+        two_sided: false,
+        lights: Vec::new(),
+        power: vec![0; (1 << power_bits) + 1],
+        power_bits,
+    })
 }
 
 fn reflectance(scene: &Scene, machine: &MachineSpec, lights: &[LocalLight]) -> ReflectanceTable {

@@ -38,7 +38,7 @@ pub(crate) fn timing(timing: &TimingReport) -> Vec<Fact> {
         ("Cycles", format!("{}, {} of them to fill", count(timing.cycles), count(timing.fill_cycles))),
         ("Clock", prefixed(timing.clock_hz, "Hz")),
         ("Frame time", prefixed(timing.frame_time_s, "s")),
-        ("Frames per second", format!("{}, sustained {}", number(timing.fps), number(timing.fps_sustained))),
+        ("Frames per second", format!("{}, sustained at most {}", number(timing.fps), number(timing.fps_sustained))),
         ("Beams", format!("{beams} in {slots} ray slots")),
         ("Samples", count(timing.samples)),
         ("Samples per second", prefixed(timing.samples_per_s, "samples/s")),

@@ -107,13 +107,18 @@ fn spacing(text: &str) -> Result<[f64; 3], String> {
     three(text, ',', "1,1,2")
 }
 
+/// Most threads: beyond this, starting them takes longer than a frame.
+const MOST_THREADS: usize = 256;
+
 /// Runs work on a pool of `threads`, or on all cores.
 ///
 /// # Errors
 /// A pool that cannot be made, and what the work gives.
 fn on_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> Outcome<R> + Send) -> Outcome<R> {
     match threads {
-        Some(0) => Err(crate::problem::Problem::new("--threads 0: give at least 1, or leave it out for all cores")),
+        Some(threads) if !(1..=MOST_THREADS).contains(&threads) => Err(crate::problem::Problem::new(format!(
+            "--threads {threads}: give 1 to {MOST_THREADS}, or leave it out for all cores"
+        ))),
         Some(threads) => rayon::ThreadPoolBuilder::new().num_threads(threads).build()?.install(work),
         None => work(),
     }

@@ -142,6 +142,7 @@ impl RunArguments {
         if self.print_machine {
             return print(MachineSpec::COMMENTED_DEFAULT);
         }
+        self.keep_inputs()?;
         let scene = self.scene()?;
         let machine = self.machine()?;
         let read = self.raw.read_options()?;
@@ -172,8 +173,28 @@ impl RunArguments {
             run_frame(&scene, &machine, &volume, &options)
         })?;
         print(&table(&result.report))?;
+        for note in &result.notes {
+            print(&format!("\nnote: {note}\n"))?;
+        }
         let written = write_run(&self.out, &result, &scene, &machine)?;
         print(&format!("wrote {}\n", written.join(" ")))
+    }
+
+    /// The resolved scene and machine are written into the folder; they must not take the place of the files read.
+    fn keep_inputs(&self) -> Outcome<()> {
+        let machine = PathBuf::from(&self.machine);
+        for (input, name) in [(self.scene.as_ref(), "scene.toml"), (Some(&machine), "machine.toml")] {
+            let Some(Ok(input)) = input.map(std::fs::canonicalize) else {
+                continue;
+            };
+            if self.out.join(name).canonicalize().is_ok_and(|output| output == input) {
+                let place = input.display();
+                return Err(Problem::new(format!(
+                    "{place} is read, and would be written over; give another folder with --out"
+                )));
+            }
+        }
+        Ok(())
     }
 
     fn scene(&self) -> Outcome<Scene> {

@@ -142,6 +142,9 @@ fn info(source: &str, volume: &Volume) -> Outcome<()> {
     let ((low, high), strange) = volume.finite_range();
     if strange < volume.len() as u64 {
         text += &format!("  range    {low} to {high}\n");
+        if strange > 0 {
+            return print(&format!("{text}  strange  {strange} voxels are NaN or infinite; no histogram\n"));
+        }
         let histogram = volume.histogram(BINS)?;
         let most = histogram.counts.iter().copied().max().unwrap_or(1).max(1);
         for (bin, &count) in histogram.counts.iter().enumerate() {

@@ -4,8 +4,8 @@
 use cube3_abc::golden::Neighbourhood;
 use cube3_host::{
     Abc, Axes, Classification, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientRows,
-    HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, Phong, PhongLight, RaySlots, Rays, ReflectanceTable,
-    Reuse, Shading, ShadingUnit, TemplateRule, VolumeInfo, frame_setup,
+    GradientScale, HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, Phong, PhongLight, RaySlots, Rays,
+    ReflectanceTable, Reuse, Shading, ShadingUnit, TemplateRule, VolumeInfo, frame_setup,
 };
 use cube3_scene::{ColourPoint, Crop, Cut, DepthCue, Layer, Light, Material, Mode, Scene, Threshold, Transfer, View};
 use cube3_word::{Rounding, Words, unit_full};
@@ -175,10 +175,16 @@ pub fn frame(dice: &mut Dice) -> FrameSetup {
     let normaliser = (normal_read || dice.one_in(3)).then(|| normaliser(words.normal_bits, dice.word(4, 10)));
     let gradient_read = normaliser.is_some() || shading.is_some();
     let one = 1 << words.weight_bits;
+    let method = GradientMethod::ALL[dice.within(0, 6) as usize].0;
+    let room = GradientScale::room(method, &words).min(GradientScale::FACTOR_BITS);
+    let scale = dice.one_in(2).then(|| GradientScale {
+        factors: [0; 3].map(|_| dice.word(0, 1 << GradientScale::FACTOR_BITS)),
+        kept_bits: dice.word(0, room),
+    });
     let gradient = (gradient_read || dice.one_in(3)).then(|| GradientRegisters {
-        method: GradientMethod::ALL[dice.within(0, 6) as usize].0,
+        method,
         weights: [dice.word(0, one), dice.word(0, one)],
-        scale: dice.one_in(2).then(|| [0; 3].map(|_| dice.word(0, 1 << GradientRegisters::SCALE_BITS))),
+        scale,
         border: dice.word(0, unit_full(words.sample_bits())) as i32,
     });
     FrameSetup {
@@ -213,7 +219,7 @@ pub fn machine(dice: &mut Dice, words: Words) -> MachineSpec {
             gradient: GradientMethod::ALL[dice.within(0, 6) as usize].0,
             shading: if dice.one_in(3) { ShadingUnit::ReflectanceTable } else { ShadingUnit::Phong },
             power_bits: dice.word(1, 11.min(words.normal_bits - 1)),
-            root_bits: dice.word(4, 10),
+            root_bits: dice.word(4, 10.min(2 * words.normal_bits - 2)),
             reflectance_bits: dice.word(2, 4),
         },
         ..MachineSpec::default()
