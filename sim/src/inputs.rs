@@ -1,6 +1,7 @@
 //! Scene, machine and volume of a run: files, presets and phantoms.
 
 use crate::problem::{Outcome, Problem};
+use crate::progress::Waiting;
 use cube3_host::{MachineSpec, VolumeInfo};
 use cube3_scene::{Scene, VolumeSource};
 use cube3_volume::{
@@ -71,6 +72,7 @@ pub fn data(source: &VolumeSource, options: &ReadOptions) -> Outcome<(String, Vo
 /// # Errors
 /// As [`data`], and values that are not finite where `mask` is not set.
 pub fn volume(scene: &Scene, machine: &MachineSpec, options: &ReadOptions, mask: bool) -> Outcome<LoadedVolume> {
+    let _waiting = Waiting::new("volume");
     let (source, data) = data(&scene.volume, options)?;
     let conversion = WordConversion {
         window: scene.volume.window,

@@ -7,6 +7,25 @@ use std::time::{Duration, Instant};
 /// How long something may take without a bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 
+/// Something of unknown length: a line that appears if it takes longer than a second, and goes with the value.
+pub struct Waiting(ProgressBar);
+
+impl Waiting {
+    /// Starts waiting.
+    pub fn new(what: &'static str) -> Waiting {
+        let line = ProgressBar::new_spinner().with_message(what);
+        // Nothing is drawn before the first tick.
+        line.enable_steady_tick(PATIENCE);
+        Waiting(line)
+    }
+}
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
+
 /// Progress of one piece of work.
 pub struct Progress {
     start: Instant,

@@ -22,19 +22,35 @@ pub struct Segment {
 /// node joins the last segment of its left child with the first of its right one if they are of the same ray, and
 /// passes on the others.
 pub fn circle(count: usize, start: usize, of: impl Fn(usize) -> Segment, mode: Mode, words: &Words) -> Vec<Segment> {
-    let mut level: Vec<Vec<Segment>> = (0..count).map(|i| vec![of((start + i) % count)]).collect();
-    while level.len() > 1 {
-        let mut next = Vec::with_capacity(level.len().div_ceil(2));
-        let mut children = level.into_iter();
-        while let Some(mut left) = children.next() {
-            if let Some(right) = children.next() {
-                join(&mut left, right, mode, words);
+    // The segments of all nodes of a level, one node after the other, and how many each has. A level is made in the place of
+    // the one before, which it never overtakes.
+    let mut segments: Vec<Segment> = (0..count).map(|i| of((start + i) % count)).collect();
+    let mut counts = vec![1; count];
+    while counts.len() > 1 {
+        let nodes = counts.len();
+        let (mut read, mut written) = (0, 0);
+        for node in 0..nodes.div_ceil(2) {
+            let left = counts[2 * node];
+            segments.copy_within(read..read + left, written);
+            read += left;
+            let mut end = written + left;
+            if let Some(&right) = counts.get(2 * node + 1) {
+                let behind = read + right;
+                if segments[end - 1].ray == segments[read].ray {
+                    segments[end - 1].node = combine(mode, segments[end - 1].node, segments[read].node, words);
+                    read += 1;
+                }
+                segments.copy_within(read..behind, end);
+                end += behind - read;
+                read = behind;
             }
-            next.push(left);
+            counts[node] = end - written;
+            written = end;
         }
-        level = next;
+        counts.truncate(nodes.div_ceil(2));
+        segments.truncate(written);
     }
-    level.pop().unwrap_or_default()
+    segments
 }
 
 /// Appends the segments of what lies behind.

@@ -88,7 +88,7 @@ pub enum VolumeError {
     },
     /// A bare raw file came without a layout.
     #[error(
-        "{file}: a raw file does not say what it holds; give its size and type (on the command line --dims 256x256x99 --type u8)"
+        "{file}: a raw file does not say what it holds; give its dimensions and sample type (and its endian if it is not little; on the command line --dims 256x256x99 --type u8 --endian big)"
     )]
     RawLayoutMissing {
         /// The file, as given.

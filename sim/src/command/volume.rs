@@ -3,6 +3,7 @@
 use super::run::print;
 use super::{RawArguments, spacing};
 use crate::problem::Outcome;
+use crate::progress::Waiting;
 use clap::{Args, Subcommand};
 use cube3_volume::{
     NonFiniteRule, NrrdEncoding, Phantom, PhantomParams, SampleType, Samples, Volume, WordConversion, read, write,
@@ -86,6 +87,7 @@ impl VolumeArguments {
     /// # Errors
     /// What went wrong, in words.
     pub fn execute(self) -> Outcome<()> {
+        let _waiting = Waiting::new("volume");
         match self.command {
             VolumeCommand::Info { file: Some(file), raw } => {
                 let volume = read(&file, &raw.read_options()?)?;
