@@ -164,7 +164,7 @@ impl RunArguments {
         };
         let result = on_threads(self.threads, || {
             let volume = inputs::volume(&scene, &machine, &read, self.mask_non_finite)?;
-            inputs::check_memory(&scene, volume.words.dims, &read)?;
+            inputs::check_memory(&scene, &machine, volume.words.dims, options.runs == Runs::Cycle, &read)?;
             print(&format!(
                 "{}: {} × {} × {}\n",
                 volume.source, volume.words.dims[0], volume.words.dims[1], volume.words.dims[2]
