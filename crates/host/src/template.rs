@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Fraction bits of a slope register. 17 suffice for n = 512; these leave room for any n to 65536.
+/// Fraction bits of a slope register. 17 suffice for n = 512; these are exact for every side that the host takes (4096).
 pub const SLOPE_FRACTION_BITS: u32 = 30;
 
 /// Where the discrete ray takes its floor.
