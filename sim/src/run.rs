@@ -231,12 +231,12 @@ fn run_machine(
         Runs::Cycle => {
             let progress = Progress::new("cycle");
             let words = &volume.words;
-            let mut machine = Machine::cycle(machine, frame.setup.clone(), words.dims, &words.words)?;
+            let mut machine = Machine::cycle(machine, vec![frame.setup.clone()], words.dims, &words.words)?;
             machine.run(&|done, all| progress.set(done, all))?;
             run.cycle_s = Some(progress.finish());
             run.counters = Some(machine.counters());
             run.overflows = machine.overflows();
-            run.base = Some(machine.into_base_plane());
+            run.base = machine.into_base_planes().pop();
         }
     }
     Ok(run)
@@ -252,7 +252,7 @@ impl MachineRun {
 
 fn timing(frame: &Frame, machine: &MachineSpec) -> Outcome<(RunCounters, f64)> {
     let progress = Progress::new("timing");
-    let mut machine: Machine<Timing> = Machine::timing(machine, frame.setup.clone())?;
+    let mut machine: Machine<Timing> = Machine::timing(machine, vec![frame.setup.clone()])?;
     machine.run(&|done, all| progress.set(done, all))?;
     Ok((machine.counters(), progress.finish()))
 }

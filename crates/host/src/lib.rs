@@ -19,7 +19,8 @@ pub use axes::{Axes, CanonicalView, canonical};
 pub use geometry::{DiscreteRay, Geometry, RaySlots};
 pub use image_plane::ImagePlane;
 pub use machine::{
-    Abc, Cfb, ChannelSize, Channels, Dsb, GradientMethod, MachineError, MachineSpec, Rays, Reuse, ShadingUnit, Trilin,
+    Abc, Cfb, ChannelSize, Channels, Dsb, Frames, GradientMethod, MachineError, MachineSpec, Rays, Reuse, ShadingUnit,
+    Trilin,
 };
 pub use registers::{
     Classification, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, HalfSpace, Linear,

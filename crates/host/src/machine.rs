@@ -30,6 +30,17 @@ pub struct MachineSpec {
     pub abc: Abc,
     /// Channels between the units.
     pub channel: Channels,
+    /// How frames follow each other.
+    pub frames: Frames,
+}
+
+/// How frames follow each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Frames {
+    /// The next frame enters behind this one's last beam. Registers, and the buffers of first planes, are then there twice. Without
+    /// it, the next frame enters when the last pixel has left.
+    pub overlap: bool,
 }
 
 /// How rays are made and placed.
@@ -206,6 +217,12 @@ impl ChannelSize {
     }
 }
 
+impl Default for Frames {
+    fn default() -> Self {
+        Frames { overlap: true }
+    }
+}
+
 impl Default for Rays {
     fn default() -> Self {
         Rays { slots: RaySlots::Wrapped, template: TemplateRule::SampleFloor, offset: 0.5 }
@@ -272,6 +289,7 @@ impl Default for MachineSpec {
             trilin: Trilin::default(),
             abc: Abc::default(),
             channel: Channels::default(),
+            frames: Frames::default(),
         }
     }
 }
