@@ -10,7 +10,7 @@ use cube3_scene::{Scene, View};
 
 fn machine(lanes: usize, skew: [i64; 3], slots: RaySlots) -> MachineSpec {
     let rays = Rays { slots, ..Rays::default() };
-    MachineSpec { lanes, cfb: Cfb { skew }, rays, ..MachineSpec::default() }
+    MachineSpec { lanes, cfb: Cfb { skew, ..Cfb::default() }, rays, ..MachineSpec::default() }
 }
 
 /// Rays mainly along z, and a little along x where not at all, so that u is x.

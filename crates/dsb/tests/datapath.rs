@@ -42,7 +42,7 @@ proptest! {
             template: if plane_floor { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
             offset: 0.5,
         };
-        let machine = MachineSpec { lanes, rays, cfb: Cfb { skew }, dsb: Dsb { planes }, ..MachineSpec::default() };
+        let machine = MachineSpec { lanes, rays, cfb: Cfb { skew, ..Cfb::default() }, dsb: Dsb { planes, ..Dsb::default() }, ..MachineSpec::default() };
         let scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
         let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };
         let setup = frame_setup(&scene, &machine, &volume, true).unwrap().setup;

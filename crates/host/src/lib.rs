@@ -19,8 +19,8 @@ pub use axes::{Axes, CanonicalView, canonical};
 pub use geometry::{DiscreteRay, Geometry, RaySlots};
 pub use image_plane::ImagePlane;
 pub use machine::{
-    Abc, Cfb, ChannelSize, Channels, Dsb, Frames, GradientMethod, MachineError, MachineSpec, Rays, Reuse, ShadingUnit,
-    Trilin,
+    Abc, Acquisition, AcquisitionMode, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, Frames,
+    GradientMethod, HostLink, Layout, MachineError, MachineSpec, MemoryType, Rays, Reuse, ShadingUnit, Trilin,
 };
 pub use registers::{
     Classification, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, HalfSpace, Linear,
