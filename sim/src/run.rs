@@ -4,9 +4,11 @@ use crate::fidelity::Timing;
 use crate::function::{CanonicalVolume, FunctionRun, render};
 use crate::gradient_error;
 use crate::inputs::LoadedVolume;
+use crate::limits;
 use crate::machine::{Machine, Overflows, RunCounters};
 use crate::problem::Outcome;
 use crate::progress::Progress;
+use crate::resources::resources;
 use cube3_channel::Reason;
 use cube3_host::{BasePlane, Frame, ImagePlane, MachineSpec, RaySlots, TemplateRule, frame_setup, warp};
 use cube3_metrics::{Picture, compare, difference, footprint, suggested_factor};
@@ -161,6 +163,15 @@ pub fn run_frame(
         }
     };
     let samples = frame.setup.geometry.sample_count();
+    let (limits, resources) = match &run.counters {
+        Some(counters) => {
+            let passes = std::slice::from_ref(&frame.setup);
+            let interval = limits::frame_interval(machine, passes)?;
+            let resources = resources(machine, volume.words.dims, passes, counters, interval);
+            (Some(limits::limits(machine, passes, interval)?), Some(resources))
+        }
+        None => (None, None),
+    };
     let image_s = run.function_s.or(run.cycle_s);
     let report = RunReport {
         schema: SCHEMA,
@@ -188,6 +199,8 @@ pub fn run_frame(
             }
             .into()
         }),
+        limits,
+        resources,
         units: run.counters.as_ref().map_or_else(Vec::new, unit_reports),
         channels: run.counters.as_ref().map_or_else(Vec::new, channel_reports),
         words: words_report(&run, volume),

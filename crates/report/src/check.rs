@@ -2,7 +2,7 @@
 
 use cube3_metrics::ImageError;
 
-use crate::{ChannelReport, ReportError, RunReport, SCHEMA, TimingReport, UnitReport};
+use crate::{ChannelReport, OperatorCounts, ReportError, ResourcesReport, RunReport, SCHEMA, TimingReport, UnitReport};
 
 /// How far two ways to compute one number may differ, relative to it.
 const ROUNDING: f64 = 1e-9;
@@ -27,6 +27,9 @@ impl RunReport {
             None if self.units.is_empty() => {}
             None => return Err(ReportError::UnitsWithoutTiming { units: self.units.len() }),
         }
+        if let Some(resources) = &self.resources {
+            resources.check()?;
+        }
         self.channels.iter().try_for_each(ChannelReport::check)
     }
 
@@ -46,6 +49,19 @@ impl RunReport {
             finite("timing.fps", timing.fps)?;
             finite("timing.fps_sustained", timing.fps_sustained)?;
             finite("timing.samples_per_s", timing.samples_per_s)?;
+        }
+        if let Some(limits) = &self.limits {
+            finite("limits.fps", limits.fps)?;
+            finite("limits.fps_without", limits.fps_without.unwrap_or(0.0))?;
+            limits.without.iter().try_for_each(|without| finite("limits.without.fps", without.fps))?;
+        }
+        if let Some(resources) = &self.resources {
+            finite("resources.fps_per_memory_gb_per_s", resources.fps_per_memory_gb_per_s)?;
+            finite("resources.samples_per_s_per_multiplier", resources.samples_per_s_per_multiplier)?;
+            for interface in &resources.interfaces {
+                finite("resources.interfaces.mean_bytes_per_s", interface.mean_bytes_per_s)?;
+                finite("resources.interfaces.peak_bytes_per_s", interface.peak_bytes_per_s.unwrap_or(0.0))?;
+            }
         }
         for channel in &self.channels {
             finite(&format!("channels.{}.mean_occupancy", channel.name), channel.mean_occupancy)?;
@@ -82,6 +98,24 @@ impl TimingReport {
         ] {
             if (found - expected).abs() > ROUNDING * expected.abs() {
                 return Err(ReportError::Inconsistent { key, found, expected });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl ResourcesReport {
+    /// The sum is that of the parts, and nothing carries more than it can.
+    fn check(&self) -> Result<(), ReportError> {
+        let sum: OperatorCounts = self.operators.iter().map(|part| part.each.times(part.count)).sum();
+        if sum != self.total {
+            let (found, expected) = (self.total.multipliers as f64, sum.multipliers as f64);
+            return Err(ReportError::Inconsistent { key: "resources.total", found, expected });
+        }
+        for interface in &self.interfaces {
+            let mean = interface.mean_bytes_per_s;
+            if let Some(peak) = interface.peak_bytes_per_s.filter(|peak| mean > peak * (1.0 + ROUNDING)) {
+                return Err(ReportError::Inconsistent { key: "resources.interfaces", found: mean, expected: peak });
             }
         }
         Ok(())

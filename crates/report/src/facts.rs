@@ -4,7 +4,7 @@ use cube3_metrics::ImageError;
 use serde_json::Value;
 
 use crate::quantity::{count, number, percentage, prefixed, sizes};
-use crate::{ErrorReport, RunReport, TimingReport, UnitReport, WallReport};
+use crate::{ErrorReport, ResourcesReport, RunReport, TimingReport, UnitReport, WallReport};
 
 /// What is said, and its value.
 pub(crate) type Fact = (&'static str, String);
@@ -43,6 +43,24 @@ pub(crate) fn timing(timing: &TimingReport) -> Vec<Fact> {
         ("Samples", count(timing.samples)),
         ("Samples per second", prefixed(timing.samples_per_s, "samples/s")),
     ]
+}
+
+/// What the machine is made of, in sums.
+pub(crate) fn resources(resources: &ResourcesReport) -> Vec<Fact> {
+    let total = &resources.total;
+    let bits: u64 = resources.memory.iter().map(|memory| memory.bits).sum();
+    let mut facts = vec![
+        ("Multipliers", count(total.multipliers)),
+        ("Adders", count(total.adders)),
+        ("Comparators", count(total.comparators)),
+    ];
+    if total.dividers > 0 {
+        facts.push(("Dividers", count(total.dividers)));
+    }
+    facts.push(("Memory", prefixed(bits as f64, "bits")));
+    facts.push(("Frames per second for each GB/s of memory", number(resources.fps_per_memory_gb_per_s)));
+    facts.push(("Samples per second for each multiplier", prefixed(resources.samples_per_s_per_multiplier, "")));
+    facts
 }
 
 /// Each measure of the error, over the whole image and over the object alone.

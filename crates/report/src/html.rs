@@ -10,7 +10,10 @@ use crate::facts::{self, CycleKind, Fact};
 use crate::png::png_size;
 use crate::quantity::{count, number, percentage, prefixed};
 use crate::shares::percent;
-use crate::{ChannelReport, DigestReport, ErrorReport, PlanReport, RunReport, TimingReport, UnitReport};
+use crate::{
+    ChannelReport, DigestReport, ErrorReport, LimitsReport, OperatorsReport, PlanReport, ResourcesReport, RunReport,
+    TimingReport, UnitReport,
+};
 
 const STYLE: &str = include_str!("page.css");
 
@@ -56,11 +59,13 @@ pub fn html(report: &RunReport, figures: &[Figure]) -> String {
                 }
                 main {
                     (pictures(figures))
+                    (limits(report.limits.as_ref()))
                     (units(&report.units, report.timing.as_ref()))
                     (errors(report.error.as_ref()))
                     (timing(report.timing.as_ref()))
                     (plan(&report.plan))
                     (channels(&report.channels))
+                    (resources(report.resources.as_ref()))
                     (overflows(report))
                     section { h2 { "Set-up" } (listed(&facts::setup(report))) }
                     (wall(report))
@@ -278,6 +283,116 @@ fn channel_row(channel: &ChannelReport) -> Markup {
             th scope="row" { (channel.name) }
             @for value in counts { td.number { (count(value)) } }
             td.number { (number(channel.mean_occupancy)) }
+        }
+    }
+}
+
+fn limits(limits: Option<&LimitsReport>) -> Markup {
+    html! {
+        @if let Some(limits) = limits {
+            section {
+                h2 { "What limits the frame rate" }
+                p { (limits.sentence) }
+                @if !limits.without.is_empty() {
+                    div.wide {
+                        table {
+                            caption { "The machine with one resource out of the way; " (number(limits.fps)) " frames per second as it is" }
+                            thead {
+                                tr {
+                                    th scope="col" { "Without" }
+                                    th scope="col" { "Replaced by" }
+                                    th.number scope="col" { "Frames per second" }
+                                }
+                            }
+                            tbody {
+                                @for without in &limits.without {
+                                    tr {
+                                        th scope="row" { (without.resource) }
+                                        td { (without.replaced_by) }
+                                        td.number { (number(without.fps)) }
+                                    }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn resources(resources: Option<&ResourcesReport>) -> Markup {
+    let Some(resources) = resources else { return html! {} };
+    html! {
+        section {
+            h2 { "What the machine is made of" }
+            (listed(&facts::resources(resources)))
+            div.wide {
+                table {
+                    caption { "Operators" }
+                    thead {
+                        tr {
+                            th scope="col" { "Part" }
+                            @for column in ["How often", "Multipliers", "Adders", "Comparators", "Dividers"] {
+                                th.number scope="col" { (column) }
+                            }
+                        }
+                    }
+                    tbody {
+                        @for part in &resources.operators { (operators_row(part)) }
+                    }
+                }
+            }
+            div.wide {
+                table {
+                    caption { "Memory and lines" }
+                    thead {
+                        tr { th scope="col" { "What" } th scope="col" { "Counted" } th.number scope="col" { "Bits" } }
+                    }
+                    tbody {
+                        @for memory in &resources.memory {
+                            tr { th scope="row" { (memory.what) } td { (memory.counted) } td.number { (count(memory.bits)) } }
+                        }
+                        @for lines in &resources.lines {
+                            tr { th scope="row" { (lines.what) } td { (lines.counted) } td.number { (count(lines.lines)) } }
+                        }
+                    }
+                }
+            }
+            div.wide {
+                table {
+                    caption { "Interfaces" }
+                    thead {
+                        tr { th scope="col" { "Interface" } th.number scope="col" { "Peak" } th.number scope="col" { "Mean" } }
+                    }
+                    tbody {
+                        @for interface in &resources.interfaces {
+                            tr {
+                                th scope="row" { (interface.name) }
+                                td.number {
+                                    @match interface.peak_bytes_per_s {
+                                        Some(peak) => (prefixed(peak, "B/s")),
+                                        None => "no limit",
+                                    }
+                                }
+                                td.number { (prefixed(interface.mean_bytes_per_s, "B/s")) }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn operators_row(part: &OperatorsReport) -> Markup {
+    let counts = part.each.times(part.count);
+    html! {
+        tr {
+            th scope="row" { (part.part) }
+            @for value in [part.count, counts.multipliers, counts.adders, counts.comparators, counts.dividers] {
+                td.number { (count(value)) }
+            }
         }
     }
 }

@@ -18,6 +18,7 @@ mod html;
 mod json;
 mod png;
 mod quantity;
+mod resources_report;
 mod run_report;
 mod shares;
 mod table;
@@ -27,6 +28,10 @@ pub use error::ReportError;
 pub use html::{Figure, html};
 pub use json::{from_json, to_json, write_json};
 pub use png::{png_rgb8, to_rgb8};
+pub use resources_report::{
+    InterfaceReport, LimitWithout, LimitsReport, LinesReport, MemoryBits, OperatorCounts, OperatorsReport,
+    ResourcesReport,
+};
 pub use run_report::{
     ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, PlanReport, Program, RunReport, SCHEMA,
     TimingCounts, TimingReport, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport,

@@ -6,6 +6,8 @@ use cube3_metrics::{ImageComparison, ImageError};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::{LimitsReport, ResourcesReport};
+
 /// The number of the present layout. It rises when a key changes its meaning or goes away.
 pub const SCHEMA: u32 = 1;
 
@@ -35,6 +37,12 @@ pub struct RunReport {
     pub plan: PlanReport,
     /// Cycles and throughput at the machine's clock. Absent when no clock ran.
     pub timing: Option<TimingReport>,
+    /// What limits the frame rate. Absent when no clock ran.
+    #[serde(default)]
+    pub limits: Option<LimitsReport>,
+    /// What the machine is made of. Absent when no clock ran.
+    #[serde(default)]
+    pub resources: Option<ResourcesReport>,
     /// What each unit did with its cycles, from the volume to the image.
     pub units: Vec<UnitReport>,
     /// What went through each channel, from the volume to the image.

@@ -31,6 +31,12 @@ pub fn table(report: &RunReport) -> String {
     if !report.units.is_empty() {
         section("Unit cycles", units(&report.units));
     }
+    if let Some(limits) = &report.limits {
+        section("What limits the frame rate", wrapped(&limits.sentence));
+    }
+    if let Some(resources) = &report.resources {
+        section("What the machine is made of", listed(facts::resources(resources)));
+    }
     match &report.error {
         Some(error) => section("Error", errors(error)),
         None => section("Error", "  not measured: no reference to compare with".into()),
@@ -49,6 +55,11 @@ pub fn table(report: &RunReport) -> String {
 fn listed(facts: Vec<Fact>) -> String {
     let rows = facts.into_iter().map(|(what, value)| vec![what.into(), value]);
     render(&[], rows.collect(), &[])
+}
+
+/// A sentence in lines of the table's width.
+fn wrapped(sentence: &str) -> String {
+    render(&[], vec![vec![sentence.into()]], &[])
 }
 
 fn listed_counts<'a>(counts: impl IntoIterator<Item = (&'a String, &'a u64)>) -> String {

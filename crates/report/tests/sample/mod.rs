@@ -61,6 +61,18 @@ pub fn report() -> RunReport {
             }
             .into(),
         ),
+        limits: Some(LimitsReport {
+            critical: "memory".into(),
+            fps: 439.4,
+            fps_without: Some(520.5),
+            next: Some("bus".into()),
+            sentence: "memory: 439.4 frames/s; without it 520.5, then the bus limits".into(),
+            without: vec![
+                LimitWithout { resource: "memory".into(), replaced_by: "a word in every cycle".into(), fps: 520.5 },
+                LimitWithout { resource: "bus".into(), replaced_by: "a channel for each lane".into(), fps: 439.4 },
+            ],
+        }),
+        resources: Some(resources()),
         units: vec![
             unit("cfb", 16_384, 0, 1_003, &[("memory", 700), ("refresh", 120)]),
             unit("bus", 16_384, 1_823, 0, &[]),
@@ -119,4 +131,25 @@ fn comparison() -> ImageComparison {
         fraction_off: 0.23 * scale,
     };
     ImageComparison { whole: error(1.0), footprint: error(2.2), footprint_pixels: 9_412 }
+}
+
+fn resources() -> ResourcesReport {
+    let each = OperatorCounts { multipliers: 3, adders: 9, comparators: 1, dividers: 0 };
+    ResourcesReport {
+        operators: vec![OperatorsReport { part: "trilin".into(), count: 128, each }],
+        total: each.times(128),
+        memory: vec![MemoryBits {
+            what: "frame buffer".into(),
+            counted: "2097152 voxels of 16 bits".into(),
+            bits: 33_554_432,
+        }],
+        lines: vec![LinesReport { what: "bus lines".into(), counted: "128 channels of 16 bits".into(), lines: 2048 }],
+        interfaces: vec![InterfaceReport {
+            name: "memory to bus".into(),
+            peak_bytes_per_s: Some(2.048e9),
+            mean_bytes_per_s: 1.84e9,
+        }],
+        fps_per_memory_gb_per_s: 214.5,
+        samples_per_s_per_multiplier: 2.1e6,
+    }
 }

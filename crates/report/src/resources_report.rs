@@ -1,0 +1,138 @@
+//! What limits the machine, and what it is made of.
+
+use serde::{Deserialize, Serialize};
+
+/// Which resource sets the frame rate, and what each would give if it were no limit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LimitsReport {
+    /// The resource that limits most: the frame rate gains most without it.
+    pub critical: String,
+    /// Sustained frames per second as the machine is.
+    pub fps: f64,
+    /// Sustained frames per second if the critical resource were infinitely fast; absent where nothing else limits.
+    pub fps_without: Option<f64>,
+    /// What limits then; absent where nothing else limits.
+    pub next: Option<String>,
+    /// The same in one sentence.
+    pub sentence: String,
+    /// Every resource that was taken out of the way, one at a time.
+    pub without: Vec<LimitWithout>,
+}
+
+/// The machine with one resource out of the way.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LimitWithout {
+    /// The resource.
+    pub resource: String,
+    /// What it was replaced by.
+    pub replaced_by: String,
+    /// Sustained frames per second then.
+    pub fps: f64,
+}
+
+/// What a machine is made of, counted from its configuration, and what flows between its units.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ResourcesReport {
+    /// Arithmetic, unit by unit.
+    pub operators: Vec<OperatorsReport>,
+    /// Sum over all units.
+    pub total: OperatorCounts,
+    /// Memory, in bits.
+    pub memory: Vec<MemoryBits>,
+    /// Lines of buses, links and ports.
+    pub lines: Vec<LinesReport>,
+    /// Bytes through each interface.
+    pub interfaces: Vec<InterfaceReport>,
+    /// Sustained frames per second for each 10⁹ bytes per second that the memory modules can give.
+    pub fps_per_memory_gb_per_s: f64,
+    /// Sustained samples per second for each multiplier.
+    pub samples_per_s_per_multiplier: f64,
+}
+
+/// Operators, by kind.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OperatorCounts {
+    /// Multipliers.
+    pub multipliers: u64,
+    /// Adders and subtracters; the one that rounds a product counts.
+    pub adders: u64,
+    /// Comparators of magnitude.
+    pub comparators: u64,
+    /// Dividers.
+    pub dividers: u64,
+}
+
+impl OperatorCounts {
+    /// So many of each.
+    pub fn times(self, count: u64) -> Self {
+        Self {
+            multipliers: self.multipliers * count,
+            adders: self.adders * count,
+            comparators: self.comparators * count,
+            dividers: self.dividers * count,
+        }
+    }
+}
+
+impl std::ops::Add for OperatorCounts {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            multipliers: self.multipliers + other.multipliers,
+            adders: self.adders + other.adders,
+            comparators: self.comparators + other.comparators,
+            dividers: self.dividers + other.dividers,
+        }
+    }
+}
+
+impl std::iter::Sum for OperatorCounts {
+    fn sum<I: Iterator<Item = Self>>(counts: I) -> Self {
+        counts.fold(Self::default(), |sum, counts| sum + counts)
+    }
+}
+
+/// Operators of one part of the machine.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OperatorsReport {
+    /// The part, such as `trilin` or `abc: normaliser`.
+    pub part: String,
+    /// How often it is there: once a lane, a node, a light of a lane.
+    pub count: u64,
+    /// Operators of each.
+    pub each: OperatorCounts,
+}
+
+/// Bits of one kind of memory.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MemoryBits {
+    /// What is stored.
+    pub what: String,
+    /// How it is counted.
+    pub counted: String,
+    /// Bits in the whole machine.
+    pub bits: u64,
+}
+
+/// Lines of one kind.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LinesReport {
+    /// Which lines.
+    pub what: String,
+    /// How they are counted.
+    pub counted: String,
+    /// Data lines, each a bit wide.
+    pub lines: u64,
+}
+
+/// Bytes through one interface at the machine's clock.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct InterfaceReport {
+    /// From where to where.
+    pub name: String,
+    /// Most bytes per second that it can carry; absent where it is not limited.
+    pub peak_bytes_per_s: Option<f64>,
+    /// Bytes per second that it carried, over the run.
+    pub mean_bytes_per_s: f64,
+}

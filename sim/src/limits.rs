@@ -1,0 +1,163 @@
+//! What limits the frame rate: the machine again with one resource at a time out of the way.
+
+use crate::machine::Machine;
+use crate::problem::Outcome;
+use cube3_host::{
+    Acquisition, AcquisitionMode, Boards, Bus, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, FrameSetup, HostLink,
+    MachineSpec, MemoryType,
+};
+use cube3_report::{LimitWithout, LimitsReport};
+
+/// A resource, what it is replaced by, and how.
+struct Resource {
+    name: &'static str,
+    replaced_by: &'static str,
+    remove: fn(&MachineSpec) -> MachineSpec,
+}
+
+/// Resources that can be taken out of the way, in the order of the pipeline. The pipeline itself is what is left.
+const RESOURCES: [Resource; 8] = [
+    Resource {
+        name: "memory",
+        replaced_by: "modules that give a word in every cycle, without conflicts",
+        remove: |m| MachineSpec {
+            cfb: Cfb { memory: MemoryType::Ideal, memory_clock_hz: None, skew: [1, 1, 1], ..m.cfb },
+            ..m.clone()
+        },
+    },
+    Resource {
+        name: "acquisition port",
+        replaced_by: "a port of its own",
+        remove: |m| MachineSpec {
+            acquisition: match m.acquisition.mode {
+                AcquisitionMode::CycleStealing => Acquisition { mode: AcquisitionMode::DualPort, ..m.acquisition },
+                _ => m.acquisition,
+            },
+            ..m.clone()
+        },
+    },
+    Resource {
+        name: "bus",
+        replaced_by: "a channel for each lane at the pipeline's clock",
+        remove: |m| MachineSpec { bus: Bus { channels: None, clock_hz: None, ..m.bus }, ..m.clone() },
+    },
+    Resource {
+        name: "links",
+        replaced_by: "links that carry any number of words",
+        remove: |m| MachineSpec { boards: Boards { link_words_per_cycle: None, ..m.boards }, ..m.clone() },
+    },
+    Resource {
+        name: "buffers",
+        replaced_by: "two ports and a plane more",
+        remove: |m| {
+            let dsb = Dsb { ports: 2, planes: m.dsb.planes.max(3) };
+            let abc = cube3_host::Abc { planes: m.abc.planes.max(4), ..m.abc };
+            MachineSpec { dsb, abc, ..m.clone() }
+        },
+    },
+    Resource {
+        name: "cone",
+        replaced_by: "a folded tree",
+        remove: |m| match m.cone.kind {
+            ConeKind::Accumulator => MachineSpec { cone: Cone { kind: ConeKind::FoldedTree }, ..m.clone() },
+            _ => m.clone(),
+        },
+    },
+    Resource {
+        name: "channels",
+        replaced_by: "room for a token more than the latency",
+        remove: |m| MachineSpec { channel: roomy(&m.channel), ..m.clone() },
+    },
+    Resource {
+        name: "host",
+        replaced_by: "a host that takes any number of bytes",
+        remove: |m| MachineSpec { host_link: HostLink { bytes_per_cycle: None }, ..m.clone() },
+    },
+];
+
+/// Channels at full rate with the same latencies.
+fn roomy(channels: &Channels) -> Channels {
+    let room = |size: ChannelSize| ChannelSize { capacity: size.capacity.max(size.latency as usize + 1), ..size };
+    Channels {
+        beams: room(channels.beams),
+        aligned: room(channels.aligned),
+        rays: room(channels.rays),
+        samples: room(channels.samples),
+        shaded: room(channels.shaded),
+        pixels: room(channels.pixels),
+    }
+}
+
+/// Cycles from the last pixel of a picture to that of the next, where pictures of the same `passes` follow each other.
+///
+/// # Errors
+/// A machine that cannot move.
+pub fn frame_interval(machine: &MachineSpec, passes: &[FrameSetup]) -> Outcome<u64> {
+    let frames = [passes, passes, passes].concat();
+    let mut run = Machine::timing(machine, frames)?;
+    run.run(&|_, _| {})?;
+    let ends = run.counters().frame_ends;
+    Ok(ends[3 * passes.len() - 1] - ends[2 * passes.len() - 1])
+}
+
+/// Finds the resource without which frames follow each other fastest, and what limits then. `interval` is
+/// [`frame_interval`] of the machine.
+///
+/// # Errors
+/// As [`frame_interval`].
+pub fn limits(machine: &MachineSpec, passes: &[FrameSetup], interval: u64) -> Outcome<LimitsReport> {
+    let fps = |interval: u64| machine.clock_hz / interval.max(1) as f64;
+    let mut without = Vec::new();
+    let mut best: Option<(u64, &Resource)> = None;
+    for resource in &RESOURCES {
+        let Some(interval) = interval_without(machine, passes, resource)? else { continue };
+        without.push(LimitWithout {
+            resource: resource.name.into(),
+            replaced_by: resource.replaced_by.into(),
+            fps: fps(interval),
+        });
+        if best.is_none_or(|(least, _)| interval < least) {
+            best = Some((interval, resource));
+        }
+    }
+    let (critical, fps_without, next) = match best.filter(|(least, _)| *least < interval) {
+        None => ("pipeline", None, None),
+        Some((least, critical)) => {
+            let freed = (critical.remove)(machine);
+            let mut next = (least, "pipeline");
+            for resource in RESOURCES.iter().filter(|resource| resource.name != critical.name) {
+                if let Some(then) = interval_without(&freed, passes, resource)?
+                    && then < next.0
+                {
+                    next = (then, resource.name);
+                }
+            }
+            (critical.name, Some(fps(least)), Some(next.1))
+        }
+    };
+    let sentence = match (fps_without, next) {
+        (Some(faster), Some(next)) => {
+            format!("{critical}: {:.1} frames/s; without it {faster:.1}, then the {next} limits", fps(interval))
+        }
+        _ => format!(
+            "{critical}: {:.1} frames/s, with {} lanes at {} MHz; no other resource slows it",
+            fps(interval),
+            machine.lanes,
+            machine.clock_hz / 1e6
+        ),
+    };
+    Ok(LimitsReport {
+        critical: critical.into(),
+        fps: fps(interval),
+        fps_without,
+        next: next.map(Into::into),
+        sentence,
+        without,
+    })
+}
+
+/// The interval without a resource; none where the machine has it out of the way already.
+fn interval_without(machine: &MachineSpec, passes: &[FrameSetup], resource: &Resource) -> Outcome<Option<u64>> {
+    let freed = (resource.remove)(machine);
+    if freed == *machine { Ok(None) } else { frame_interval(&freed, passes).map(Some) }
+}

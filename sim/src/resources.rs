@@ -1,0 +1,256 @@
+//! What a machine is made of, counted from its configuration: a row for each part.
+//!
+//! Operators are those of the units' `golden.rs`, one for one: a lerp is a multiplier, a subtracter and an adder, and an adder
+//! more where the product is rounded to nearest. Shifts, selections and table look-ups are none.
+
+use crate::machine::RunCounters;
+use cube3_host::{ConeKind, FrameSetup, GradientMethod, MachineSpec, Reuse, Shading, ShadingUnit};
+use cube3_report::{InterfaceReport, LinesReport, MemoryBits, OperatorCounts, OperatorsReport, ResourcesReport};
+use cube3_scene::{MOST_CUTS, MOST_LIGHTS};
+use cube3_word::Rounding;
+
+/// Counts a machine's resources for a volume of `dims` voxels, and what flowed through its interfaces in a run of `frames`. `interval`
+/// is the cycles from a frame to the next.
+pub fn resources(
+    machine: &MachineSpec,
+    dims: [usize; 3],
+    frames: &[FrameSetup],
+    counters: &RunCounters,
+    interval: u64,
+) -> ResourcesReport {
+    let operators = operators(machine, frames);
+    let total: OperatorCounts = operators.iter().map(|part| part.each.times(part.count)).sum();
+    let interfaces = interfaces(machine, frames, counters);
+    let fps = machine.clock_hz / interval.max(1) as f64;
+    let samples: u64 = frames.iter().map(|setup| setup.geometry.sample_count()).sum();
+    let memory_gb = interfaces.first().and_then(|memory| memory.peak_bytes_per_s).unwrap_or(0.0) / 1e9;
+    ResourcesReport {
+        memory: memory(machine, dims, frames),
+        lines: lines(machine),
+        fps_per_memory_gb_per_s: if memory_gb > 0.0 { fps / memory_gb } else { 0.0 },
+        samples_per_s_per_multiplier: samples as f64 * fps / total.multipliers.max(1) as f64,
+        operators,
+        total,
+        interfaces,
+    }
+}
+
+fn counts(multipliers: u64, adders: u64, comparators: u64) -> OperatorCounts {
+    OperatorCounts { multipliers, adders, comparators, dividers: 0 }
+}
+
+/// Operators of each part.
+fn operators(machine: &MachineSpec, frames: &[FrameSetup]) -> Vec<OperatorsReport> {
+    // The adder that rounds a product to nearest.
+    let round = u64::from(machine.words.rounding == Rounding::Nearest);
+    let lanes = machine.lanes as u64;
+    let lerp = counts(1, 2 + round, 0);
+    // Blinn's division: one addition before, one between the shifts, and one more when it truncates.
+    let unit_mul = counts(1, 2, 0);
+    let mut parts = Vec::new();
+    let mut part = |part: &str, count: u64, each: OperatorCounts| {
+        if each != OperatorCounts::default() && count > 0 {
+            parts.push(OperatorsReport { part: part.into(), count, each });
+        }
+    };
+    part("trilin", lanes, lerp.times(u64::from(machine.trilin.reuse.lerps())));
+    part("abc: gradient", lanes, gradient(machine.abc.gradient, lerp, round));
+    let drops = u64::from(machine.words.gradient_drop() > 0);
+    if machine.abc.gradient != GradientMethod::Ten {
+        part("abc: gradient scale", lanes, counts(3, 3 * round, 0));
+    }
+    part("abc: gradient word", lanes, counts(0, 3 * drops * round, 6));
+    // Magnitudes, squares and their sum, the products with the root, rounded, held at one, and the signs.
+    part("abc: normaliser", lanes, counts(6, 3 + 2 + 3 + 3, 3));
+    part("abc: magnitude", lanes, counts(3, 3, 0));
+    match machine.abc.shading {
+        ShadingUnit::Phong => {
+            // For each light two cosines, the power table's index, three diffuse and three specular products and sums.
+            let cosine = counts(3, 2 + 1 + round, 1);
+            let light = cosine.times(2) + counts(6, round + 6 * (round + 1), 0);
+            part("abc: a light", lanes * lights(frames), light);
+        }
+        ShadingUnit::ReflectanceTable => {
+            let direction = OperatorCounts { multipliers: 0, adders: 3 + 2, comparators: 2 + 2, dividers: 2 };
+            part("abc: direction", lanes, direction);
+        }
+    }
+    part("abc: lit colour", lanes, counts(3, 3 * round + 3, 3));
+    part("abc: threshold and row", lanes, counts(0, 0, 3));
+    part("abc: depth cue", lanes, counts(3, 1 + 3 * round, 2));
+    let clips = MOST_CUTS as u64 + 6;
+    part("abc: cut planes and crop box", lanes, counts(0, clips, clips));
+    part("cone: leaf", lanes, unit_mul.times(3));
+    part("cone: node", nodes(machine), counts(0, 1, 1) + (unit_mul + counts(0, 1, 0)).times(4));
+    part("cone: weight of a sum", 1, counts(4, 4, 4));
+    parts
+}
+
+/// Operators of a gradient estimator.
+fn gradient(method: GradientMethod, lerp: OperatorCounts, round: u64) -> OperatorCounts {
+    let differences = counts(0, 3, 0);
+    // Nine differences and their sum, for each component.
+    let weighted = counts(0, 3 * (9 + 8), 0);
+    let shear = counts(2, 2 + round, 0);
+    match method {
+        GradientMethod::Six => differences,
+        GradientMethod::SixSheared => differences + shear,
+        GradientMethod::TwentySix => weighted + counts(0, 3 * round, 0),
+        GradientMethod::TwentySixSheared => weighted + shear + counts(0, 3 * round, 0),
+        GradientMethod::Ten | GradientMethod::TenNormalised => differences + lerp.times(4),
+        GradientMethod::Twelve => differences + lerp.times(6),
+    }
+}
+
+/// Lights that the shading units hold: those of the frames, or one.
+fn lights(frames: &[FrameSetup]) -> u64 {
+    let of = |setup: &FrameSetup| match &setup.shading {
+        Some(Shading::Phong(phong)) => phong.lights.len(),
+        _ => 0,
+    };
+    frames.iter().map(of).max().unwrap_or(0).clamp(1, MOST_LIGHTS) as u64
+}
+
+/// Nodes of the cone, and one that accumulates chunks.
+fn nodes(machine: &MachineSpec) -> u64 {
+    let lanes = machine.lanes as u64;
+    match machine.cone.kind {
+        ConeKind::FoldedTree | ConeKind::ShiftedTree | ConeKind::Chain => lanes,
+        ConeKind::Accumulator => 1,
+    }
+}
+
+/// Bits of memory, by what they hold.
+fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSetup]) -> Vec<MemoryBits> {
+    let words = &machine.words;
+    let voxels: u64 = dims.iter().map(|&n| n as u64).product();
+    let mut memory = Vec::new();
+    let mut kind = |what: &str, counted: String, bits: u64| {
+        if bits > 0 {
+            memory.push(MemoryBits { what: what.into(), counted, bits });
+        }
+    };
+    let buffers = match machine.acquisition.mode {
+        cube3_host::AcquisitionMode::DoubleBuffer => 2,
+        _ => 1,
+    };
+    let voxel_bits = u64::from(words.voxel_bits);
+    kind("frame buffer", format!("{buffers} × {voxels} voxels of {voxel_bits} bits"), buffers * voxels * voxel_bits);
+    // The largest frame sets the size of each buffer; registers and first planes are there twice where frames overlap.
+    let twice = if machine.frames.overlap { 2 } else { 1 };
+    let most = |of: &dyn Fn(&FrameSetup) -> u64| frames.iter().map(of).max().unwrap_or(0);
+    let plane = |setup: &FrameSetup| setup.geometry.slot_counts()[0] as u64 * setup.geometry.size[2] as u64;
+    let closes = |setup: &FrameSetup, axis: usize| u64::from(setup.geometry.closes()[axis]);
+    let ring = machine.dsb.planes as u64;
+    let planes = most(&|setup| (ring + twice * closes(setup, 1)) * plane(setup));
+    kind("skewed buffers", format!("{planes} voxels of {voxel_bits} bits"), planes * voxel_bits);
+    let sample_bits = u64::from(words.sample_bits());
+    let kept_rays = match machine.trilin.reuse {
+        Reuse::Ray | Reuse::Both => 2,
+        Reuse::None | Reuse::Plane => 0,
+    };
+    let kept_planes = u64::from(matches!(machine.trilin.reuse, Reuse::Plane | Reuse::Both));
+    let kept = most(&|setup| {
+        let first = 2 * closes(setup, 0);
+        (kept_rays + first) * setup.geometry.size[2] as u64 + kept_planes * plane(setup)
+    });
+    kind("lerps kept", format!("{kept} samples of {sample_bits} bits"), kept * sample_bits);
+    let shaded = most(&|setup| {
+        let ring = if setup.gradient.is_some() { machine.abc.planes as u64 + twice * 2 * closes(setup, 1) } else { 0 };
+        ring * plane(setup)
+    });
+    kind("sample planes", format!("{shaded} samples of {sample_bits} bits"), shaded * sample_bits);
+    let tables = most(&|setup| table_bits(machine, setup));
+    let lanes = machine.lanes as u64;
+    kind("tables", format!("{lanes} lanes × {tables} bits"), lanes * tables);
+    let templates = most(&|setup| {
+        let depth = setup.geometry.size[2] as u64;
+        2 * depth * (1 + u64::from(words.weight_bits) + 1)
+    });
+    kind("templates", format!("{twice} × {templates} bits of steps and weights"), twice * templates);
+    memory
+}
+
+/// Bits of the tables of one lane.
+fn table_bits(machine: &MachineSpec, setup: &FrameSetup) -> u64 {
+    let words = &machine.words;
+    let table = &setup.classification;
+    let opacity = table.opacity.len() as u64 * u64::from(words.opacity_bits);
+    let colour = table.colour.len() as u64 * 3 * u64::from(words.colour_bits);
+    let root =
+        setup.normaliser.as_ref().map_or(0, |table| table.root.len() as u64 * (u64::from(words.normal_bits) + 1));
+    let shading = match &setup.shading {
+        Some(Shading::Phong(phong)) => phong.power.len() as u64 * (u64::from(words.colour_bits) + 1),
+        Some(Shading::Table(table)) => {
+            (table.diffuse.len() + table.specular.len()) as u64 * 3 * (u64::from(words.colour_bits) + 4)
+        }
+        None => 0,
+    };
+    opacity + colour + root + shading
+}
+
+/// Data lines: of the bus, of the links, of the host's port.
+fn lines(machine: &MachineSpec) -> Vec<LinesReport> {
+    let voxel_bits = u64::from(machine.words.voxel_bits);
+    let channels = machine.bus.channels.unwrap_or(machine.lanes) as u64;
+    let mut lines = Vec::new();
+    let mut kind = |what: &str, counted: String, count: u64| {
+        lines.push(LinesReport { what: what.into(), counted, lines: count });
+    };
+    let bus = channels * voxel_bits;
+    kind("bus lines", format!("{channels} channels of {voxel_bits} bits"), bus);
+    let boards = machine.boards.count as u64;
+    let link = machine.boards.link_words_per_cycle.map_or(machine.lanes as u64, |words| words.ceil() as u64);
+    let host = machine.host_link.bytes_per_cycle.map_or_else(|| pixel_bits(machine), |bytes| 8 * bytes.ceil() as u64);
+    if boards > 1 {
+        let each = 2 * link * voxel_bits;
+        kind("link lines", format!("{boards} links, 2 directions × {link} words of {voxel_bits} bits"), boards * each);
+        let share = bus.div_ceil(boards);
+        kind(
+            "pins of a board",
+            format!("{share} of the bus, {} of two links, {host} of the host", 2 * each),
+            share + 2 * each + host,
+        );
+    }
+    kind("host lines", "in a pipeline cycle".into(), host);
+    lines
+}
+
+/// Bits of a pixel on its way to the host.
+fn pixel_bits(machine: &MachineSpec) -> u64 {
+    4 * 8 * u64::from(machine.words.accumulator_bits.div_ceil(8))
+}
+
+/// Bytes through each interface; the memory's first.
+fn interfaces(machine: &MachineSpec, frames: &[FrameSetup], counters: &RunCounters) -> Vec<InterfaceReport> {
+    let words = &machine.words;
+    let lanes = machine.lanes as f64;
+    let clock = machine.clock_hz;
+    let seconds = counters.cycles.max(1) as f64 / clock;
+    let bytes = |bits: u32| f64::from(bits) / 8.0;
+    let (voxel, sample) = (bytes(words.voxel_bits), bytes(words.sample_bits()));
+    let shaded = bytes(3 * words.colour_bits + words.opacity_bits);
+    let pixel = pixel_bits(machine) as f64 / 8.0;
+    let sum = |of: &dyn Fn(&FrameSetup) -> f64| frames.iter().map(of).sum::<f64>();
+    let beam = frames.first().map_or(0.0, |setup| setup.geometry.size[0] as f64);
+    let slots = |setup: &FrameSetup| setup.geometry.slot_counts().iter().map(|&n| n as f64).product::<f64>();
+    let depths = |setup: &FrameSetup| setup.geometry.size[2] as f64;
+    let pixels = sum(&|setup| setup.geometry.base_plane_size().iter().map(|&n| n as f64).product());
+    let fetched = counters.beams as f64 * beam;
+    let rays = sum(&|setup| slots(setup) * depths(setup));
+    let interface = |name: &str, peak: Option<f64>, total: f64| InterfaceReport {
+        name: name.into(),
+        peak_bytes_per_s: peak,
+        mean_bytes_per_s: total / seconds,
+    };
+    let memory_clock = machine.cfb.memory_clock_hz.unwrap_or(clock);
+    let bus = machine.bus.channels.unwrap_or(machine.lanes) as f64 * machine.bus.clock_hz.unwrap_or(clock);
+    vec![
+        interface("memory to bus", Some(lanes * voxel * memory_clock), fetched * voxel),
+        interface("bus to buffers", Some(bus * voxel), fetched * voxel),
+        interface("buffers to interpolation", Some(2.0 * lanes * voxel * clock), 2.0 * rays * voxel),
+        interface("interpolation to shading", Some(lanes * sample * clock), rays * sample),
+        interface("shading to cone", Some(lanes * shaded * clock), rays * shaded),
+        interface("cone to host", machine.host_link.bytes_per_cycle.map(|bytes| bytes * clock), pixels * pixel),
+    ]
+}
