@@ -17,7 +17,7 @@ mod warp;
 
 pub use axes::{Axes, CanonicalView, canonical};
 pub use geometry::{DiscreteRay, Geometry, RaySlots};
-pub use image_plane::ImagePlane;
+pub use image_plane::{ImagePlane, eye};
 pub use machine::{
     Abc, Cfb, ChannelSize, Channels, Dsb, GradientMethod, MachineError, MachineSpec, Rays, Reuse, ShadingUnit, Trilin,
 };
