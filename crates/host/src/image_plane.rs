@@ -52,7 +52,7 @@ impl ImagePlane {
                 depth: sight.depth,
                 middle: sight.middle,
             };
-            plane.first = sight.eye + direction + plane.from_middle(0.0, 0.0);
+            plane.first = sight.eye + direction + plane.off_middle(0.0, 0.0);
             return plane;
         }
         let pixel = match image.pixel_size_voxel {
@@ -79,7 +79,7 @@ impl ImagePlane {
     pub fn ray(&self, column: f64, row: f64) -> (DVec3, DVec3) {
         match self.eye {
             None => (self.point(column, row), self.direction),
-            Some(eye) => (eye, self.direction + self.from_middle(column, row)),
+            Some(eye) => (eye, self.direction + self.off_middle(column, row)),
         }
     }
 
@@ -88,12 +88,12 @@ impl ImagePlane {
     pub fn crossing(&self, column: f64, row: f64) -> DVec3 {
         match self.eye {
             None => self.point(column, row),
-            Some(_) => self.middle + self.from_middle(column, row) * self.depth,
+            Some(_) => self.middle + self.off_middle(column, row) * self.depth,
         }
     }
 
     /// From the middle of the picture to a pixel's centre.
-    fn from_middle(&self, column: f64, row: f64) -> DVec3 {
+    fn off_middle(&self, column: f64, row: f64) -> DVec3 {
         let middle = |pixels: usize| (pixels as f64 - 1.0) * 0.5;
         self.across * (column - middle(self.width)) + self.down * (row - middle(self.height))
     }
