@@ -241,8 +241,8 @@ fn light_from_the_eye_shines_along_each_ray() {
                 let towards = light.direction.map_or(-ray, |direction| unit_vector(direction.into()).unwrap());
                 let halfway = (towards - ray).normalize();
                 let (diffuse, specular) = (0.7 * normal.dot(towards), 0.2 * normal.dot(halfway).abs().powi(10));
-                for i in 0..3 {
-                    expected[i] += light.colour[i] * (diffuse + specular);
+                for (sum, colour) in expected.iter_mut().zip(light.colour) {
+                    *sum += colour * (diffuse + specular);
                 }
             }
             let error = (0..3).map(|i| (pixel[i] - expected[i].min(1.0)).abs()).fold(0.0, f64::max);
