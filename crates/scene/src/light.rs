@@ -14,7 +14,7 @@ pub const MOST_LIGHTS: usize = 8;
 /// sum is rounding error then, and its direction means nothing.
 const OPPOSITE: f64 = 1e-12;
 
-/// A light so far away that it has one direction everywhere.
+/// A light so far away that it has one direction everywhere, or one at the eye.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Light {
