@@ -12,10 +12,14 @@ use cube3_word::Rounding;
 use std::path::Path;
 
 /// Machines that have a name: name and file.
-pub const PRESETS: [(&str, &str); 3] = [
+pub const PRESETS: [(&str, &str); 7] = [
     ("cube3-128", MachineSpec::COMMENTED_DEFAULT),
     ("cube3-256", include_str!("../machines/cube3-256.toml")),
     ("cube3-512", include_str!("../machines/cube3-512.toml")),
+    ("cube3-board", include_str!("../machines/cube3-board.toml")),
+    ("cube4-teramac", include_str!("../machines/cube4-teramac.toml")),
+    ("em-cube", include_str!("../machines/em-cube.toml")),
+    ("volumepro-500", include_str!("../machines/volumepro-500.toml")),
 ];
 
 /// Reads a machine file, or takes a preset by its name.

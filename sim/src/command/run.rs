@@ -18,7 +18,8 @@ pub struct RunArguments {
     /// What to show.
     #[arg(long, value_name = "FILE.toml")]
     scene: Option<PathBuf>,
-    /// Machine file, or the name of a preset: cube3-128, cube3-256, cube3-512.
+    /// Machine file, or the name of a preset: cube3-128, cube3-256, cube3-512, cube3-board, cube4-teramac, em-cube or
+    /// volumepro-500.
     #[arg(long, value_name = "FILE.toml|NAME", default_value = "cube3-128")]
     machine: String,
     /// Volume: .nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd, or raw with --dims and --type.

@@ -1,0 +1,137 @@
+//! What machines are made of, and what limits them.
+
+use cube3::limits::{frame_interval, limits};
+use cube3::machine::{Machine, RunCounters};
+use cube3::resources::resources;
+use cube3_host::{
+    Abc, Cfb, FrameSetup, GradientMethod, HostLink, MachineSpec, RaySlots, Rays, Reuse, Trilin, VolumeInfo, frame_setup,
+};
+use cube3_report::{OperatorCounts, ResourcesReport};
+use cube3_scene::{Scene, View};
+use cube3_word::{Rounding, Words};
+
+fn setup(machine: &MachineSpec, n: usize) -> FrameSetup {
+    let scene = Scene { view: View::from_direction([0.5, 0.25, 1.0], None), ..Scene::default() };
+    let volume = VolumeInfo { dims: [n; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
+    frame_setup(&scene, machine, &volume, true).unwrap().setup
+}
+
+fn count(machine: &MachineSpec, n: usize) -> (ResourcesReport, RunCounters) {
+    let frames = vec![setup(machine, n)];
+    let mut run = Machine::timing(machine, frames.clone()).unwrap();
+    run.run(&|_, _| {}).unwrap();
+    let counters = run.counters();
+    let interval = frame_interval(machine, &frames).unwrap();
+    (resources(machine, [n; 3], &frames, &counters, interval), counters)
+}
+
+fn part(report: &ResourcesReport, name: &str) -> OperatorCounts {
+    report.operators.iter().find(|part| part.part == name).map(|part| part.each.times(part.count)).unwrap_or_default()
+}
+
+/// Section 3 of the paper: seven lerps, and fewer where neighbours share them. Each is one multiplier.
+#[test]
+fn interpolators_have_a_multiplier_for_each_lerp() {
+    for (reuse, lerps) in [(Reuse::None, 7), (Reuse::Ray, 5), (Reuse::Plane, 4), (Reuse::Both, 3)] {
+        for (rounding, adders) in [(Rounding::Nearest, 3), (Rounding::Truncate, 2)] {
+            let machine = MachineSpec {
+                lanes: 16,
+                trilin: Trilin { reuse },
+                words: Words { rounding, ..Words::default() },
+                ..MachineSpec::default()
+            };
+            let trilin = part(&count(&machine, 16).0, "trilin");
+            assert_eq!((trilin.multipliers, trilin.adders), (16 * lerps, 16 * lerps * adders));
+        }
+    }
+}
+
+#[test]
+fn gradients_have_the_operators_of_their_formulas() {
+    use GradientMethod::*;
+    let expected = [
+        (Six, 0, 3),
+        (TwentySix, 0, 54),
+        (Ten, 4, 15),
+        (TenNormalised, 4, 15),
+        (Twelve, 6, 21),
+        (SixSheared, 2, 6),
+        (TwentySixSheared, 2, 57),
+    ];
+    for (gradient, multipliers, adders) in expected {
+        let machine = MachineSpec { lanes: 8, abc: Abc { gradient, ..Abc::default() }, ..MachineSpec::default() };
+        let found = part(&count(&machine, 8).0, "abc: gradient");
+        assert_eq!((found.multipliers, found.adders), (8 * multipliers, 8 * adders), "{gradient:?}");
+    }
+}
+
+#[test]
+fn memory_is_what_the_buffers_hold() {
+    let machine = MachineSpec { lanes: 32, ..MachineSpec::default() };
+    let (report, _) = count(&machine, 32);
+    let bits = |what: &str| report.memory.iter().find(|memory| memory.what == what).unwrap().bits;
+    assert_eq!(bits("frame buffer"), 32 * 32 * 32 * 16);
+    // Three planes, and the first one of two frames.
+    assert_eq!(bits("skewed buffers"), 5 * 32 * 32 * 16);
+    // Four planes, and the first two of two frames.
+    assert_eq!(bits("sample planes"), 8 * 32 * 32 * 16);
+    // Two rays and the first pair of a plane; a plane of lerps.
+    assert_eq!(bits("lerps kept"), (4 * 32 + 32 * 32) * 16);
+}
+
+/// Section 5: 512 modules of 16 bits with a cycle of 127 ns are 8.06 GB/s, and as many samples a second as words.
+#[test]
+fn the_papers_memory_bandwidth() {
+    let machine = MachineSpec { lanes: 512, clock_hz: 1.0 / 127e-9, ..MachineSpec::default() };
+    let (report, counters) = count(&machine, 512);
+    let memory = &report.interfaces[0];
+    assert!((memory.peak_bytes_per_s.unwrap() / 8.063e9 - 1.0).abs() < 1e-3);
+    let carried = counters.beams as f64 * 1024.0 / (counters.cycles as f64 * 127e-9);
+    assert!((memory.mean_bytes_per_s / carried - 1.0).abs() < 1e-12);
+    let fps = machine.clock_hz / (512.0 * 512.0);
+    assert!((report.fps_per_memory_gb_per_s / (fps / 8.063) - 1.0).abs() < 1e-3);
+    let samples = setup(&machine, 512).geometry.sample_count() as f64;
+    let each = samples * fps / report.total.multipliers as f64;
+    assert!((report.samples_per_s_per_multiplier / each - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_machine_that_never_waits_is_limited_by_its_pipeline() {
+    let machine = MachineSpec { lanes: 16, ..MachineSpec::default() };
+    let frames = [setup(&machine, 16)];
+    let interval = frame_interval(&machine, &frames).unwrap();
+    assert_eq!(interval, 256);
+    let found = limits(&machine, &frames, interval).unwrap();
+    assert_eq!((found.critical.as_str(), found.next, found.fps_without), ("pipeline", None, None));
+    assert!(found.without.is_empty(), "nothing is in the way that could be taken out of it");
+    assert!(found.sentence.starts_with("pipeline: 31250.0 frames/s"), "{}", found.sentence);
+}
+
+#[test]
+fn a_bad_skew_makes_the_memory_critical_and_then_the_pipeline_limits() {
+    let cfb = Cfb { skew: [4, 1, 1], ..Cfb::default() };
+    let machine = MachineSpec { lanes: 16, cfb, ..MachineSpec::default() };
+    let frames = [setup(&machine, 16)];
+    let interval = frame_interval(&machine, &frames).unwrap();
+    assert_eq!(interval, 4 * 256);
+    let found = limits(&machine, &frames, interval).unwrap();
+    assert_eq!((found.critical.as_str(), found.next.as_deref()), ("memory", Some("pipeline")));
+    assert!((found.fps_without.unwrap() / found.fps - 4.0).abs() < 1e-12);
+    assert_eq!(found.sentence, "memory: 7812.5 frames/s; without it 31250.0, then the pipeline limits");
+}
+
+#[test]
+fn of_two_limits_the_slower_is_critical_and_the_other_limits_then() {
+    let machine = MachineSpec {
+        lanes: 16,
+        cfb: Cfb { skew: [4, 1, 1], ..Cfb::default() },
+        // A pixel of eight bytes in two cycles.
+        host_link: HostLink { bytes_per_cycle: Some(4.0) },
+        rays: Rays { slots: RaySlots::Padded, ..Rays::default() },
+        ..MachineSpec::default()
+    };
+    let frames = [setup(&machine, 16)];
+    let interval = frame_interval(&machine, &frames).unwrap();
+    let found = limits(&machine, &frames, interval).unwrap();
+    assert_eq!((found.critical.as_str(), found.next.as_deref()), ("memory", Some("host")), "{}", found.sentence);
+}
