@@ -8,6 +8,7 @@ use crate::fidelity::{Cycle, Fidelity, Timing};
 use crate::host_port::{Collector, HostPort, NoHost};
 use cube3_abc::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, Shader};
 use cube3_cfb::golden::Skew;
+use cube3_cfb::memory::Modules;
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, Fetch, FrameBuffer, FrameBufferError, NoVoxels};
 use cube3_channel::{Account, Activity, Channel, ChannelCounters, ChannelError, Deadlock, PortState, Wait, diagnose};
 use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelGroup, Reduce, Reducer};
@@ -134,7 +135,7 @@ impl Machine<Cycle> {
     ) -> Result<Machine<Cycle>, RunError> {
         let lanes = machine.lanes;
         let skew = Skew { coefficients: machine.cfb.skew, lanes };
-        let memory = FrameBuffer::new(skew, dims, voxels)?;
+        let memory = FrameBuffer::with_layout(skew, machine.cfb.layout, dims, voxels)?;
         let parts = |setup: &FrameSetup| Parts {
             dsb: PlaneStore::new(&setup.geometry, lanes, machine.dsb.planes),
             trilin: Interpolator::new(setup, lanes),
@@ -204,8 +205,10 @@ impl<F: Fidelity> Machine<F> {
             abc.push((AbcSpec::new(machine, setup), parts.abc));
             host.push((slots_of(setup), parts.host));
         }
+        let specs = frames.iter().map(|setup| CfbSpec::new(machine, &setup.geometry)).collect();
+        let modules = frames.first().and_then(|setup| Modules::new(machine, setup.geometry.dims()));
         Ok(Machine {
-            cfb: CfbUnit::new(frames.iter().map(|setup| CfbSpec::new(machine, &setup.geometry)).collect(), memory),
+            cfb: CfbUnit::new(specs, memory).with_modules(modules),
             bus: BusUnit::new(machine, frames.iter().map(|setup| &setup.geometry), wires),
             dsb: DsbUnit::new(dsb),
             trilin: TrilinUnit::new(trilin),

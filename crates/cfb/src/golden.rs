@@ -1,5 +1,7 @@
 //! The addressing of one voxel, and how many cycles a row of voxels takes. The definition.
 
+use cube3_host::Layout;
+
 /// The skewed memory: voxel (x, y, z) of a volume `dims` is in module `(a·x + b·y + c·z) mod lanes`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Skew {
@@ -30,18 +32,6 @@ impl Skew {
         gcd(self.coefficients[0], self.lanes)
     }
 
-    /// The address of a voxel within its module. No two voxels of a module share one.
-    pub fn address(&self, dims: [usize; 3], xyz: [usize; 3]) -> usize {
-        let rows = dims[0].div_ceil(self.lanes);
-        let row = (xyz[2] * dims[1] + xyz[1]) * rows + xyz[0] / self.lanes;
-        row * self.depth() + xyz[0] % self.lanes / (self.lanes / self.depth())
-    }
-
-    /// Words of each module for a volume.
-    pub fn words(&self, dims: [usize; 3]) -> usize {
-        dims[2] * dims[1] * dims[0].div_ceil(self.lanes) * self.depth()
-    }
-
     /// Cycles to read `count` voxels that are `step` apart: each module gives one a cycle, so the fullest module
     /// sets the time. 1 is free of conflicts.
     pub fn cycles(&self, step: [i64; 3], count: usize) -> usize {
@@ -55,6 +45,66 @@ impl Skew {
         step[axis] = 1;
         let (full, rest) = (count / self.lanes, count % self.lanes);
         full * self.cycles(step, self.lanes) + if rest > 0 { self.cycles(step, rest) } else { 0 }
+    }
+}
+
+/// Where the voxels of a volume lie in their modules.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Placement {
+    /// The modules.
+    pub skew: Skew,
+    /// The order of the words of a module.
+    pub layout: Layout,
+    /// Voxels along x, y, z.
+    pub dims: [usize; 3],
+}
+
+impl Placement {
+    /// Words of a module along a side of a block.
+    pub const BLOCK: usize = 8;
+
+    /// Words of a module along x, y and z: those of a row of voxels, rows, planes.
+    pub fn extent(&self) -> [usize; 3] {
+        let [nx, ny, nz] = self.dims;
+        [nx.div_ceil(self.skew.lanes) * self.skew.depth(), ny, nz]
+    }
+
+    /// Which of its module's words along an axis a voxel is.
+    fn index(&self, axis: usize, coordinate: usize) -> usize {
+        let (lanes, depth) = (self.skew.lanes, self.skew.depth());
+        if axis == 0 { coordinate / lanes * depth + coordinate % lanes / (lanes / depth) } else { coordinate }
+    }
+
+    /// What a coordinate adds to the address. The address of a voxel is the sum over its three.
+    ///
+    /// Rows: `x' + n_x'·(y + n_y·z)`, with x' the word within the row. Blocks of B_x·B_y·B_z words, B the smaller of 8 and the
+    /// extent: the block's number times its words, and then the same formula within the block.
+    pub fn term(&self, axis: usize, coordinate: usize) -> usize {
+        let (index, extent) = (self.index(axis, coordinate), self.extent());
+        let weight = |sides: [usize; 3]| -> usize { sides[..axis].iter().product() };
+        match self.layout {
+            Layout::Rows => index * weight(extent),
+            Layout::Blocks => {
+                let block = extent.map(|n| n.min(Self::BLOCK));
+                let blocks = [0, 1, 2].map(|a| extent[a].div_ceil(block[a]));
+                let words: usize = block.iter().product();
+                index / block[axis] * weight(blocks) * words + index % block[axis] * weight(block)
+            }
+        }
+    }
+
+    /// The address of a voxel within its module. No two voxels of a module share one.
+    pub fn address(&self, xyz: [usize; 3]) -> usize {
+        (0..3).map(|axis| self.term(axis, xyz[axis])).sum()
+    }
+
+    /// Words of each module.
+    pub fn words(&self) -> usize {
+        let side = |n: usize| match self.layout {
+            Layout::Rows => n,
+            Layout::Blocks => n.next_multiple_of(n.clamp(1, Self::BLOCK)),
+        };
+        self.extent().map(side).iter().product()
     }
 }
 

@@ -1,13 +1,14 @@
 //! The modules with their voxels, and the fetch of a whole beam.
 
-use crate::golden::{Skew, output_lane};
-use cube3_host::Axes;
+use crate::golden::{Placement, Skew, output_lane};
+use cube3_host::{Axes, Layout};
 
 /// The cubic frame buffer with a volume in it.
 #[derive(Clone, Debug)]
 pub struct FrameBuffer {
-    skew: Skew,
-    dims: [usize; 3],
+    placement: Placement,
+    /// What each coordinate adds to the address, for x, y, z.
+    terms: [Vec<usize>; 3],
     words_each: usize,
     modules: Vec<u16>,
 }
@@ -17,8 +18,9 @@ pub struct FrameBuffer {
 pub enum FrameBufferError {
     /// A skew that leaves most of every module empty, on a large volume.
     #[error(
-        "the frame buffer would take {bytes} bytes, above the limit of {limit}: the skew uses only every {depth}th module along x; \
-         choose one whose first coefficient shares no factor with the lanes, or a smaller volume"
+        "the frame buffer would take {bytes} bytes, above the limit of {limit}: the skew uses only every {depth}th module along x, \
+         and blocks are filled up to whole ones; choose a skew whose first coefficient shares no factor with the lanes, the layout \
+         \"rows\", or a smaller volume"
     )]
     Memory {
         /// Bytes that it would take.
@@ -34,17 +36,32 @@ impl FrameBuffer {
     /// Most bytes of module memory.
     pub const LIMIT_BYTES: u128 = 8 << 30;
 
-    /// Writes a volume (x fastest) into the modules.
+    /// Writes a volume (x fastest) into the modules, rows behind one another.
     ///
     /// # Errors
     /// A skew and volume that would take too much memory.
     pub fn new(skew: Skew, dims: [usize; 3], voxels: &[u16]) -> Result<FrameBuffer, FrameBufferError> {
-        let words_each = skew.words(dims);
+        FrameBuffer::with_layout(skew, Layout::Rows, dims, voxels)
+    }
+
+    /// Writes a volume (x fastest) into the modules in the order of a layout.
+    ///
+    /// # Errors
+    /// A skew, layout and volume that would take too much memory.
+    pub fn with_layout(
+        skew: Skew,
+        layout: Layout,
+        dims: [usize; 3],
+        voxels: &[u16],
+    ) -> Result<FrameBuffer, FrameBufferError> {
+        let placement = Placement { skew, layout, dims };
+        let words_each = placement.words();
         let bytes = 2 * words_each as u128 * skew.lanes as u128;
         if bytes > Self::LIMIT_BYTES {
             return Err(FrameBufferError::Memory { bytes, limit: Self::LIMIT_BYTES, depth: skew.depth() });
         }
-        let mut buffer = FrameBuffer { skew, dims, words_each, modules: vec![0; words_each * skew.lanes] };
+        let terms = [0, 1, 2].map(|axis| (0..dims[axis]).map(|i| placement.term(axis, i)).collect());
+        let mut buffer = FrameBuffer { placement, terms, words_each, modules: vec![0; words_each * skew.lanes] };
         let mut voxel = voxels.iter();
         for z in 0..dims[2] {
             for y in 0..dims[1] {
@@ -58,15 +75,15 @@ impl FrameBuffer {
     }
 
     fn place(&self, xyz: [usize; 3]) -> usize {
-        let module = self.skew.module(xyz.map(|i| i as i64));
-        module * self.words_each + self.skew.address(self.dims, xyz)
+        let module = self.placement.skew.module(xyz.map(|i| i as i64));
+        module * self.words_each + self.terms[0][xyz[0]] + self.terms[1][xyz[1]] + self.terms[2][xyz[2]]
     }
 
     /// Reads the beam along u at row `v` and plane `w` into lane order: voxel u of the beam goes to
     /// `u / lanes · lanes + (u + v + w) mod lanes`. Unused lanes are 0.
     pub fn fetch(&self, axes: &Axes, v: usize, w: usize, beam: &mut Vec<u16>) {
-        let size = axes.permute(self.dims);
-        let lanes = self.skew.lanes;
+        let size = axes.permute(self.placement.dims);
+        let lanes = self.placement.skew.lanes;
         beam.clear();
         beam.resize(size[0].div_ceil(lanes) * lanes, 0);
         for u in 0..size[0] {
@@ -77,7 +94,7 @@ impl FrameBuffer {
 
     /// The dims of the volume.
     pub fn dims(&self) -> [usize; 3] {
-        self.dims
+        self.placement.dims
     }
 }
 
@@ -142,13 +159,32 @@ mod tests {
         }
 
         #[test]
-        fn every_voxel_has_its_own_place_and_comes_back(
-            dims in [1_usize..8, 1_usize..8, 1_usize..8], lanes in 1_usize..10, coefficients in [-3_i64..4, -3_i64..4, -3_i64..4],
-            order in Just([0_usize, 1, 2]).prop_shuffle(), reversed: [bool; 3],
+        fn no_two_voxels_of_a_module_share_an_address(
+            dims in [1_usize..30, 1_usize..20, 1_usize..20], lanes in 1_usize..12, coefficients in [-3_i64..4, -3_i64..4, -3_i64..4],
+            blocks: bool,
         ) {
+            let layout = if blocks { Layout::Blocks } else { Layout::Rows };
+            let placement = Placement { skew: Skew { coefficients, lanes }, layout, dims };
+            let words = placement.words();
+            let mut taken = bitvec![0; words * lanes];
+            for place in 0..dims.iter().product() {
+                let xyz = [place % dims[0], place / dims[0] % dims[1], place / dims[0] / dims[1]];
+                let address = placement.address(xyz);
+                prop_assert!(address < words);
+                let module = placement.skew.module(xyz.map(|i| i as i64));
+                prop_assert!(!taken.replace(module * words + address, true));
+            }
+        }
+
+        #[test]
+        fn every_voxel_has_its_own_place_and_comes_back(
+            dims in [1_usize..11, 1_usize..11, 1_usize..11], lanes in 1_usize..10, coefficients in [-3_i64..4, -3_i64..4, -3_i64..4],
+            order in Just([0_usize, 1, 2]).prop_shuffle(), reversed: [bool; 3], blocks: bool,
+        ) {
+            let layout = if blocks { Layout::Blocks } else { Layout::Rows };
             let voxels: Vec<u16> = (1..=dims.iter().product::<usize>() as u16).collect();
             let skew = Skew { coefficients, lanes };
-            let buffer = FrameBuffer::new(skew, dims, &voxels).unwrap();
+            let buffer = FrameBuffer::with_layout(skew, layout, dims, &voxels).unwrap();
             let axes = Axes { axis: order, reversed };
             let size = axes.permute(dims);
             let mut beam = Vec::new();

@@ -7,6 +7,7 @@
 
 pub mod golden;
 mod lanes;
+pub mod memory;
 mod unit;
 
 pub use lanes::{FrameBuffer, FrameBufferError};

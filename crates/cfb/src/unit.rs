@@ -6,6 +6,7 @@
 
 use crate::FrameBuffer;
 use crate::golden::Skew;
+use crate::memory::{MemoryCounters, MemoryState, Modules};
 use cube3_channel::{Account, Activity, Channel, Reason};
 use cube3_host::{FrameSetup, Geometry, MachineSpec, RaySlots};
 use serde::{Deserialize, Serialize};
@@ -74,6 +75,12 @@ impl CfbSpec {
         let all = skew.beam_cycles(geometry.axes.axis[0], geometry.size[0]) as u64;
         CfbSpec { beam_cycles, conflict_cycles: all - beam_cycles }
     }
+
+    /// Cycles of a beam, or of a padded plane's depth outside of the volume, that waits for nothing.
+    #[inline]
+    pub fn cycles(&self, row: Option<u32>) -> u64 {
+        if row.is_some() { self.beam_cycles + self.conflict_cycles } else { 1 }
+    }
 }
 
 /// The frame buffer unit.
@@ -81,86 +88,122 @@ impl CfbSpec {
 pub struct CfbUnit<F> {
     specs: Vec<CfbSpec>,
     memory: F,
+    /// Modules that do not give any word in any cycle.
+    modules: Option<Modules>,
     state: State,
     account: Account,
 }
 
-/// Where the scan is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// What the unit remembers.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct State {
-    frame: u32,
-    plane: u32,
-    depth: u32,
-    spent: u64,
+    scan: Scan,
     fetched: u64,
+    modules: Option<MemoryState>,
+}
+
+/// A place in the scan of the frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Scan {
+    pub frame: u32,
+    pub plane: u32,
+    pub depth: u32,
+    /// Cycles of the beam that are over.
+    pub spent: u64,
+}
+
+impl Scan {
+    /// Goes on to the next beam.
+    #[inline]
+    pub fn advance(&mut self, geometry: &Geometry) {
+        self.spent = 0;
+        self.depth += 1;
+        if self.depth as usize == geometry.size[2] {
+            self.depth = 0;
+            self.plane += 1;
+            if self.plane as usize == geometry.slot_counts()[1] {
+                self.plane = 0;
+                self.frame += 1;
+            }
+        }
+    }
 }
 
 impl<F: Fetch> CfbUnit<F> {
     /// The unit's name.
     pub const NAME: &'static str = "cfb";
 
-    /// A frame buffer at the start of the first of some frames.
+    /// A frame buffer at the start of the first of some frames, whose modules give any word in any cycle.
     pub fn new(specs: Vec<CfbSpec>, memory: F) -> CfbUnit<F> {
-        CfbUnit { specs, memory, state: State::default(), account: Account::default() }
+        CfbUnit { specs, memory, modules: None, state: State::default(), account: Account::default() }
+    }
+
+    /// With modules that take their time.
+    pub fn with_modules(mut self, modules: Option<Modules>) -> CfbUnit<F> {
+        self.state.modules = modules.as_ref().map(|modules| modules.start(self.specs.len()));
+        self.modules = modules;
+        self
     }
 
     /// One cycle. `frames` are the registers of all frames, of which those before `released` may be scanned.
     #[inline]
     pub fn tick(&mut self, frames: &[FrameSetup], released: u32, beams: &mut Channel<Beam<F::Output>>) -> Activity {
+        if let (Some(modules), Some(state)) = (&self.modules, &mut self.state.modules) {
+            modules.ask(state, frames, &self.specs, released);
+        }
         let activity = self.step(frames, released, beams);
+        if let Some(modules) = &mut self.state.modules {
+            modules.end_cycle();
+        }
         self.account.record(activity)
     }
 
     #[inline]
     fn step(&mut self, frames: &[FrameSetup], released: u32, beams: &mut Channel<Beam<F::Output>>) -> Activity {
-        if self.done() || self.state.frame >= released {
+        if self.done() || self.state.scan.frame >= released {
             return Activity::Starved;
         }
-        let (setup, spec) = (&frames[self.state.frame as usize], self.specs[self.state.frame as usize]);
-        let row = row(&setup.geometry, self.state.plane, self.state.depth);
-        let needed = if row.is_some() { spec.beam_cycles + spec.conflict_cycles } else { 1 };
-        if self.state.spent + 1 < needed {
-            self.state.spent += 1;
-            let working = self.state.spent <= spec.beam_cycles;
-            return if working { Activity::Busy } else { Activity::Waiting(Reason::BankConflict) };
-        }
-        let Some(beam) = beams.push_slot() else {
+        let Scan { frame, plane, depth, spent } = self.state.scan;
+        let (setup, spec) = (&frames[frame as usize], self.specs[frame as usize]);
+        let row = row(&setup.geometry, plane, depth);
+        let last = spent + 1 >= spec.cycles(row);
+        if last && !beams.can_push() {
             return Activity::Blocked;
-        };
-        beam.frame = self.state.frame;
-        beam.plane = self.state.plane;
-        beam.depth = self.state.depth;
-        beam.row = row;
-        if let Some(v) = row {
-            self.memory.fetch(setup, v as usize, self.state.depth as usize, &mut beam.data);
-            self.state.fetched += 1;
         }
-        let conflict = spec.conflict_cycles > 0 && row.is_some();
-        self.advance(&setup.geometry);
-        if conflict { Activity::Waiting(Reason::BankConflict) } else { Activity::Busy }
-    }
-
-    fn advance(&mut self, geometry: &Geometry) {
-        self.state.spent = 0;
-        self.state.depth += 1;
-        if self.state.depth as usize == geometry.size[2] {
-            self.state.depth = 0;
-            self.state.plane += 1;
-            if self.state.plane as usize == geometry.slot_counts()[1] {
-                self.state.plane = 0;
-                self.state.frame += 1;
+        if let Some(modules) = &mut self.state.modules {
+            if let Some(activity) = modules.waits() {
+                return activity;
             }
+            modules.take();
         }
+        self.state.scan.spent += 1;
+        if last && let Some(beam) = beams.push_slot() {
+            beam.frame = frame;
+            beam.plane = plane;
+            beam.depth = depth;
+            beam.row = row;
+            if let Some(v) = row {
+                self.memory.fetch(setup, v as usize, depth as usize, &mut beam.data);
+                self.state.fetched += 1;
+            }
+            self.state.scan.advance(&setup.geometry);
+        }
+        if spent < spec.beam_cycles { Activity::Busy } else { Activity::Waiting(Reason::BankConflict) }
     }
 
     /// Whether every beam of every frame has been sent.
     pub fn done(&self) -> bool {
-        self.state.frame as usize == self.specs.len()
+        self.state.scan.frame as usize == self.specs.len()
     }
 
     /// Beams fetched from the modules.
     pub fn fetched(&self) -> u64 {
         self.state.fetched
+    }
+
+    /// What the modules have done, by frame, summed over the modules; nothing where they give any word in any cycle.
+    pub fn memory_counters(&self) -> &[MemoryCounters] {
+        self.state.modules.as_ref().map_or(&[], MemoryState::counters)
     }
 
     /// What the unit did with its cycles.
@@ -171,7 +214,7 @@ impl<F: Fetch> CfbUnit<F> {
 
 /// The row of the volume that plane `plane` of ray slots has at a depth.
 #[inline]
-fn row(geometry: &Geometry, plane: u32, depth: u32) -> Option<u32> {
+pub(crate) fn row(geometry: &Geometry, plane: u32, depth: u32) -> Option<u32> {
     let rows = geometry.size[1] as u32;
     let shift = geometry.v.columns[depth as usize];
     match geometry.slots {

@@ -12,10 +12,12 @@
 
 mod account;
 mod channel;
+mod clock;
 mod stall;
 mod unit;
 
 pub use account::{Account, Activity, Reason};
 pub use channel::{Channel, ChannelCounters, ChannelError};
+pub use clock::ClockDomain;
 pub use stall::{Deadlock, PortState, Wait, diagnose};
 pub use unit::{Pipe, Unit};

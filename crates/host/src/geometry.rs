@@ -66,6 +66,15 @@ impl Geometry {
         Geometry { size, axes, slopes, offset, weight_bits, rule, slots, u, v }
     }
 
+    /// Voxels along x, y, z.
+    pub fn dims(&self) -> [usize; 3] {
+        let mut dims = [0; 3];
+        for i in 0..3 {
+            dims[self.axes.axis[i]] = self.size[i];
+        }
+        dims
+    }
+
     /// du and dv as reals, exactly what the registers hold.
     pub fn real_slopes(&self) -> [f64; 2] {
         self.slopes.map(|slope| f64::from(slope) / f64::from(1_u32 << SLOPE_FRACTION_BITS))

@@ -9,6 +9,7 @@ mod classification;
 mod geometry;
 mod image_plane;
 mod machine;
+mod memory;
 mod registers;
 mod setup;
 mod shading;
@@ -22,6 +23,7 @@ pub use machine::{
     Abc, Acquisition, AcquisitionMode, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, Frames,
     GradientMethod, HostLink, Layout, MachineError, MachineSpec, MemoryType, Rays, Reuse, ShadingUnit, Trilin,
 };
+pub use memory::{Command, Constraint, MemoryModel, Rows, Scope, Span};
 pub use registers::{
     Classification, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, HalfSpace, Linear,
     LinearFactor, Normaliser, Phong, PhongLight, ReflectanceTable, Shading,

@@ -1,6 +1,6 @@
 //! The machine as data: everything that an architect may change, with a unit and a source.
 
-use crate::{RaySlots, TemplateRule};
+use crate::{MemoryModel, RaySlots, TemplateRule};
 use cube3_word::Words;
 use serde::{Deserialize, Serialize};
 
@@ -174,7 +174,7 @@ pub struct Cfb {
     pub layout: Layout,
 }
 
-/// Rows of the table of memory modules; the numbers are in `cube3_cfb`.
+/// Rows of the table of memory modules; the numbers are in [`crate::MemoryModel`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MemoryType {
@@ -198,7 +198,8 @@ pub enum Layout {
     /// Rows of voxels behind one another, along x, then y, then z.
     #[default]
     Rows,
-    /// Cubes of 8 × 8 × 8 voxels behind one another, each within one row of the memory where that is long enough.
+    /// Blocks of up to 8 × 8 × 8 words of a module behind one another, so that a walk along any axis stays in a row of the memory
+    /// for some words. Along x, a module has a word of every `lanes` voxels.
     Blocks,
 }
 
@@ -579,6 +580,11 @@ impl MachineSpec {
 }
 
 impl MachineSpec {
+    /// Clock of the memory modules in hertz.
+    pub fn memory_clock_hz(&self) -> f64 {
+        self.cfb.memory_clock_hz.or(MemoryModel::of(self.cfb.memory).clock_hz).unwrap_or(self.clock_hz)
+    }
+
     /// Ranges of memory, bus, boards, buffers and links.
     fn check_resources(&self, place: &str) -> Result<(), MachineError> {
         let check = |good: bool, key, value: String, reason| {
@@ -597,6 +603,19 @@ impl MachineSpec {
             check(good, key, value.unwrap_or_default().to_string(), "outside 10^-6 to 10^9 in a cycle")
         };
         clock("cfb.memory_clock_hz", self.cfb.memory_clock_hz)?;
+        let (model, memory_clock) = (MemoryModel::of(self.cfb.memory), self.memory_clock_hz());
+        check(
+            model.refreshes_in_time(memory_clock),
+            "cfb.memory_clock_hz",
+            memory_clock.to_string(),
+            "too slow: refreshing would take more than a quarter of the time",
+        )?;
+        check(
+            memory_clock / self.clock_hz <= MemoryModel::MOST_TICKS,
+            "cfb.memory_clock_hz",
+            memory_clock.to_string(),
+            "above 65536 ticks in a cycle of clock_hz",
+        )?;
         rate("acquisition.words_per_cycle", Some(self.acquisition.words_per_cycle))?;
         count("bus.channels", self.bus.channels, 4096, "outside 1 to 4096")?;
         clock("bus.clock_hz", self.bus.clock_hz)?;
@@ -640,6 +659,14 @@ mod tests {
         let error = |text: &str| MachineSpec::from_toml(text, "m.toml").unwrap_err().to_string();
         assert!(error("lanse = 3").starts_with("m.toml:1: unknown field `lanse`"), "{}", error("lanse = 3"));
         assert_eq!(error("lanes = 0"), "m.toml: lanes = 0 is outside 1 to 4096");
+        assert_eq!(
+            error("[cfb]\nmemory = \"sdram\"\nmemory_clock_hz = 1e6"),
+            "m.toml: cfb.memory_clock_hz = 1000000 is too slow: refreshing would take more than a quarter of the time"
+        );
+        assert_eq!(
+            error("clock_hz = 1.0\n[cfb]\nmemory = \"sdram\""),
+            "m.toml: cfb.memory_clock_hz = 133000000 is above 65536 ticks in a cycle of clock_hz"
+        );
         assert_eq!(error("[words]\nvoxel_bits = 40"), "m.toml: words.voxel_bits = 40 is outside 1 to 16");
         assert!(error("[abc]\ngradient = \"7\"").starts_with("m.toml:2: "));
     }

@@ -1,0 +1,17 @@
+//! The memory modules behind the frame buffer, where they cannot give any word in any cycle.
+//!
+//! ```text
+//!   look-ahead scan ──► module 0: banks, open rows, one command a tick ──┐
+//!                  ──► …                                                 ├──► a word of each module, in order ──► beam
+//!                  ──► module n−1                                        ┘
+//! ```
+//! [`MemoryModel`](cube3_host::MemoryModel) is the table of constraints, [`Timing`] the table at a clock, [`Module`] the controller of one module,
+//! [`Modules`] all of them under the scan of the frame buffer.
+
+mod array;
+mod module;
+mod timing;
+
+pub use array::{MemoryState, Modules};
+pub use module::{MemoryCounters, Module, Served};
+pub use timing::Timing;

@@ -1,0 +1,171 @@
+//! All modules under the scan of the frame buffer.
+
+use super::{MemoryCounters, Module, Served, Timing};
+use crate::golden::{Placement, Skew, gcd};
+use crate::unit::{CfbSpec, Scan, row};
+use cube3_channel::{Activity, ClockDomain, Reason};
+use cube3_host::{FrameSetup, Geometry, MachineSpec, MemoryModel, MemoryType};
+use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
+
+/// The memory modules of a frame buffer: timing and addresses.
+///
+/// The frame buffer reads a beam in steps, in each at most one word of each module. The scan is known, so each module is asked for
+/// the words of the next steps, `look_ahead` of them; a step is over when the slowest of its modules has given its word.
+#[derive(Clone, Debug)]
+pub struct Modules {
+    timing: Timing,
+    clock: ClockDomain,
+    placement: Placement,
+    /// What each coordinate adds to an address, for x, y, z.
+    terms: [Vec<u64>; 3],
+}
+
+/// Where the modules are.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MemoryState {
+    clock: ClockDomain,
+    /// The first tick of this pipeline cycle, and of the next.
+    now: i64,
+    next: i64,
+    /// The step that is asked for next.
+    ahead: Scan,
+    /// When the steps that have been asked for are over.
+    asked: VecDeque<Served>,
+    /// The modules; a single one stands for all as long as nothing has told them apart.
+    modules: Vec<Module>,
+    /// By frame.
+    counters: Vec<MemoryCounters>,
+}
+
+impl Modules {
+    /// The modules of a machine for a volume; none where they give any word in any cycle.
+    pub fn new(machine: &MachineSpec, dims: [usize; 3]) -> Option<Modules> {
+        let model = MemoryModel::of(machine.cfb.memory);
+        let clock_hz = machine.memory_clock_hz();
+        let clock = ClockDomain::from_hertz(clock_hz, machine.clock_hz);
+        if machine.cfb.memory == MemoryType::Ideal && clock.ratio() == (1, 1) {
+            return None;
+        }
+        let skew = Skew { coefficients: machine.cfb.skew, lanes: machine.lanes };
+        let placement = Placement { skew, layout: machine.cfb.layout, dims };
+        let terms = [0, 1, 2].map(|axis| (0..dims[axis]).map(|i| placement.term(axis, i) as u64).collect());
+        Some(Modules { timing: Timing::new(model, clock_hz), clock, placement, terms })
+    }
+
+    /// The modules at the start of the first of some frames.
+    pub fn start(&self, frames: usize) -> MemoryState {
+        let mut clock = self.clock;
+        let next = clock.advance() as i64;
+        MemoryState {
+            clock,
+            now: 0,
+            next,
+            ahead: Scan::default(),
+            asked: VecDeque::with_capacity(self.timing.look_ahead),
+            modules: vec![Module::new(&self.timing)],
+            counters: vec![MemoryCounters::default(); frames],
+        }
+    }
+
+    /// Asks for words ahead of the scan, in frames before `released`.
+    #[inline]
+    pub(crate) fn ask(&self, state: &mut MemoryState, frames: &[FrameSetup], specs: &[CfbSpec], released: u32) {
+        let last = released.min(specs.len() as u32);
+        while state.asked.len() < self.timing.look_ahead && state.ahead.frame < last {
+            let Scan { frame, plane, depth, spent } = state.ahead;
+            let geometry = &frames[frame as usize].geometry;
+            let row = row(geometry, plane, depth);
+            let served = row.map(|row| self.serve(state, geometry, [row as usize, depth as usize], spent));
+            state.asked.push_back(served.unwrap_or(Served::AT_ONCE));
+            if spent + 1 < specs[frame as usize].cycles(row) {
+                state.ahead.spent += 1;
+            } else {
+                state.ahead.advance(geometry);
+            }
+        }
+    }
+
+    /// Has the modules read their words of step `step` of the beam at row `v` and plane `w`.
+    fn serve(&self, state: &mut MemoryState, geometry: &Geometry, [v, w]: [usize; 2], step: u64) -> Served {
+        let Skew { lanes, coefficients } = self.placement.skew;
+        let axis = geometry.axes.axis[0];
+        let along = coefficients[axis].rem_euclid(lanes as i64) as usize;
+        // Voxels u of the step: those of a piece of `lanes` voxels that are in different modules.
+        let together = lanes / gcd(along as i64, lanes);
+        let steps_of_piece = lanes / together;
+        let first = step as usize / steps_of_piece * lanes + step as usize % steps_of_piece * together;
+        let end = (first + together).min(geometry.size[0]);
+        let start = geometry.axes.voxel(geometry.size, [first, v, w]);
+        let base: u64 = (0..3).filter(|&a| a != axis).map(|a| self.terms[a][start[a]]).sum();
+        // Against the axis the coordinates fall; which voxel of the step is taken first changes nothing.
+        let low = if geometry.axes.reversed[0] { start[axis] + 1 - (end - first) } else { start[axis] };
+        let terms = &self.terms[axis][low..low + (end - first)];
+        let mut xyz = start.map(|i| i as i64);
+        xyz[axis] = low as i64;
+        let lowest = self.placement.skew.module(xyz);
+        let MemoryState { modules, counters, ahead, now, .. } = state;
+        let mut counted = MemoryCounters::default();
+        let no_address = self.timing.rows.is_none() && self.timing.burst == 1;
+        let alike = terms.len() == lanes && (no_address || terms[0] == terms[lanes - 1]);
+        let served = if modules.len() == 1 && alike {
+            let served = modules[0].read(&self.timing, base + terms[0], *now, &mut counted);
+            counted = counted.times(lanes as u64);
+            served
+        } else {
+            if modules.len() < lanes {
+                let one = modules[0].clone();
+                modules.resize(lanes, one);
+            }
+            let mut module = lowest;
+            let mut all = Served::AT_ONCE;
+            for term in terms {
+                all = all.and(modules[module].read(&self.timing, base + term, *now, &mut counted));
+                module += along;
+                if module >= lanes {
+                    module -= lanes;
+                }
+            }
+            all
+        };
+        counters[ahead.frame as usize] += counted;
+        served
+    }
+}
+
+impl MemoryState {
+    /// What the frame buffer does in this cycle while the words of its step are not there; none where they are.
+    #[inline]
+    pub(crate) fn waits(&self) -> Option<Activity> {
+        let step = self.asked.front()?;
+        if step.ready < self.next {
+            return None;
+        }
+        let tick = self.next - 1;
+        Some(if tick < step.refresh_until {
+            Activity::Waiting(Reason::Refresh)
+        } else if tick < step.row_until {
+            Activity::Waiting(Reason::MemoryRow)
+        } else {
+            Activity::Busy
+        })
+    }
+
+    /// Takes the words of the step.
+    #[inline]
+    pub(crate) fn take(&mut self) {
+        self.asked.pop_front();
+    }
+
+    /// Ends the pipeline cycle.
+    #[inline]
+    pub(crate) fn end_cycle(&mut self) {
+        self.now = self.next;
+        self.next += self.clock.advance() as i64;
+    }
+
+    /// What the modules have done, by frame, summed over the modules. Words ahead of the scan are counted when they are asked for.
+    pub fn counters(&self) -> &[MemoryCounters] {
+        &self.counters
+    }
+}
