@@ -11,11 +11,13 @@
 //! ```
 
 mod account;
+mod archive;
 mod channel;
 mod stall;
 mod unit;
 
 pub use account::{Account, Activity, Reason};
+pub use archive::{Archive, ArchiveError, Archived, Payload};
 pub use channel::{Channel, ChannelCounters, ChannelError};
 pub use stall::{Deadlock, PortState, Wait, diagnose};
 pub use unit::{Pipe, Unit};
