@@ -209,20 +209,8 @@ impl<T> Channel<T> {
 /// Tokens held are archived, and not the memory of those that have left. Between two cycles only: nothing pushed or popped.
 impl<T: Payload> Archived for Channel<T> {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let Channel {
-            name,
-            slots,
-            ready,
-            mask,
-            head,
-            len,
-            capacity,
-            latency: _,
-            now,
-            pushed: _,
-            popped: _,
-            counters,
-        } = self;
+        let Channel { name, slots, ready, mask, head, len, capacity, latency: _, now, pushed: _, popped: _, counters } =
+            self;
         archive.item(now)?;
         archive.item(counters)?;
         archive.item(len)?;
