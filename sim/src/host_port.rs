@@ -1,12 +1,12 @@
 //! The machine's end of the host link: pixels are taken and put into the base plane.
 
-use cube3_channel::{Account, Activity, Channel};
+use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel};
 use cube3_cone::{PixelGroup, Pixels};
 use cube3_host::{BasePlane, FrameSetup};
 use serde::{Deserialize, Serialize};
 
 /// What the host does with pixels.
-pub trait Collect {
+pub trait Collect: Archived {
     /// What pixel groups carry.
     type Input: Default;
 
@@ -23,6 +23,12 @@ impl Collect for NoHost {
 
     #[inline(always)]
     fn collect(&mut self, _: &FrameSetup, _: &()) {}
+}
+
+impl Archived for NoHost {
+    fn archive(&mut self, _: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        Ok(())
+    }
 }
 
 /// A host that keeps the base plane.
@@ -119,5 +125,21 @@ impl<C: Collect> HostPort<C> {
     /// What has been collected, frame by frame.
     pub fn into_collectors(self) -> impl Iterator<Item = C> {
         self.frames.into_iter().map(|frame| frame.collector)
+    }
+}
+
+impl Archived for Collector {
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        let BasePlane { width: _, height: _, bits: _, pixels } = &mut self.base;
+        archive.list(pixels)
+    }
+}
+
+impl<C: Archived> Archived for HostPort<C> {
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        let HostPort { frames, state, account } = self;
+        archive.item(state)?;
+        archive.item(account)?;
+        frames.iter_mut().try_for_each(|HostFrame { collector, slots: _ }| collector.archive(archive))
     }
 }

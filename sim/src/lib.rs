@@ -1,6 +1,8 @@
 //! The Cube-3 machine put together, the experiments on it, and the `cube3` command.
 
 pub mod bench;
+pub mod checkpoint;
+pub mod clocked;
 pub mod command;
 pub mod fidelity;
 pub mod function;
@@ -14,3 +16,5 @@ pub mod problem;
 pub mod progress;
 pub mod resources;
 pub mod run;
+pub mod topology;
+pub mod trace;

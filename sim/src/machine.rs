@@ -6,16 +6,39 @@
 
 use crate::fidelity::{Cycle, Fidelity, Timing};
 use crate::host_port::{Collector, HostPort, NoHost};
+use crate::trace::{Move, Observe, Token, TokenKind, Unobserved};
 use cube3_abc::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, Shader};
 use cube3_cfb::golden::Skew;
 use cube3_cfb::memory::Modules;
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, Fetch, FrameBuffer, FrameBufferError, NoVoxels};
-use cube3_channel::{Account, Activity, Channel, ChannelCounters, ChannelError, Deadlock, PortState, Wait, diagnose};
+use cube3_channel::{
+    Account, Activity, Archive, ArchiveError, Archived, Channel, ChannelCounters, ChannelError, Deadlock, PortState,
+    Wait, diagnose,
+};
 use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelGroup, Reduce, Reducer};
 use cube3_dsb::bus::{Align, BusUnit, NoBus};
 use cube3_dsb::{DsbSpec, DsbUnit, NoPlanes, PlaneStore, RayPair, Rotator, Store};
 use cube3_host::{BasePlane, ChannelSize, FrameSetup, MachineSpec};
 use cube3_trilin::{Interpolate, Interpolator, NoSamples, SampleRay, TrilinSpec, TrilinUnit};
+
+/// Units of a machine, a unit with two ports counted twice.
+pub const UNITS: usize = 8;
+/// Channels of a machine.
+pub const CHANNELS: usize = 6;
+
+/// A channel's place in the machine. [`Machine::JOINTS`] is the one list of them: reports, traces, drawings and the search for a
+/// deadlock follow it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Joint {
+    /// The channel's name.
+    pub channel: &'static str,
+    /// The unit that pushes.
+    pub from: &'static str,
+    /// The unit that pops.
+    pub to: &'static str,
+    /// What its tokens are.
+    pub tokens: TokenKind,
+}
 
 /// A machine with the registers of the frames that it is to render, one after another.
 pub struct Machine<F: Fidelity> {
@@ -77,6 +100,8 @@ pub struct RunCounters {
 pub struct ChannelReading {
     /// Name.
     pub name: &'static str,
+    /// Its place.
+    pub joint: Joint,
     /// Tokens that fit.
     pub capacity: usize,
     /// Cycles from push to pop.
@@ -87,17 +112,62 @@ pub struct ChannelReading {
     pub counters: ChannelCounters,
 }
 
-impl<T> From<&Channel<T>> for ChannelReading {
-    fn from(channel: &Channel<T>) -> ChannelReading {
-        ChannelReading {
+/// A channel as it stands between two cycles.
+struct Standing {
+    reading: ChannelReading,
+    /// Whether a token can be popped.
+    arrived: bool,
+    /// Whether a token can be pushed.
+    room: bool,
+}
+
+impl Standing {
+    fn of<T>(channel: &Channel<T>, joint: Joint) -> Standing {
+        let reading = ChannelReading {
             name: channel.name(),
+            joint,
             capacity: channel.capacity(),
             latency: channel.latency(),
             occupancy: channel.occupancy(),
             counters: channel.counters(),
-        }
+        };
+        Standing { reading, arrived: channel.front().is_some(), room: channel.can_push() }
+    }
+
+    /// Who waits for whom: a channel between two units is empty, full, or neither.
+    fn wait(&self) -> Option<Wait> {
+        let ChannelReading { name, joint, occupancy, capacity, .. } = self.reading;
+        let (unit, state, upon) = match (self.arrived, self.room) {
+            (false, _) => (joint.to, PortState::Empty, joint.from),
+            (true, false) => (joint.from, PortState::Full, joint.to),
+            (true, true) => return None,
+        };
+        Some(Wait { unit, port: name.to_owned(), state, occupancy, capacity, upon })
     }
 }
+
+/// The identity of a channel's token.
+trait Identity {
+    fn token(&self) -> Token;
+}
+
+impl<D> Identity for Beam<D> {
+    fn token(&self) -> Token {
+        Token { frame: self.frame, plane: self.plane, place: self.depth }
+    }
+}
+
+macro_rules! ray_identity {
+    ($($token:ident),*) => {
+        $(impl<D> Identity for $token<D> {
+            fn token(&self) -> Token {
+                Token { frame: self.frame, plane: self.plane, place: self.slot }
+            }
+        })*
+    };
+}
+
+ray_identity!(RayPair, SampleRay, ShadedRay, PixelGroup);
 
 /// The arithmetic of a frame in each unit that keeps some between tokens, in pipeline order.
 struct Parts<F: Fidelity> {
@@ -174,7 +244,7 @@ fn slots_of(setup: &FrameSetup) -> u64 {
 
 impl<F: Fidelity> Machine<F> {
     /// The units' names, in pipeline order.
-    pub const UNITS: [&'static str; 8] = [
+    pub const UNITS: [&'static str; UNITS] = [
         CfbUnit::<F::Cfb>::NAME,
         BusUnit::<F::Bus>::NAME,
         DsbUnit::<F::Dsb>::WRITE,
@@ -185,6 +255,20 @@ impl<F: Fidelity> Machine<F> {
         HostPort::<F::Host>::NAME,
     ];
 
+    /// The channels, in pipeline order.
+    pub const JOINTS: [Joint; CHANNELS] = {
+        let [cfb, bus, write, read, trilin, abc, cone, host] = Self::UNITS;
+        let (beam, ray) = (TokenKind::Beam, TokenKind::Ray);
+        [
+            Joint { channel: "beams", from: cfb, to: bus, tokens: beam },
+            Joint { channel: "aligned", from: bus, to: write, tokens: beam },
+            Joint { channel: "rays", from: read, to: trilin, tokens: ray },
+            Joint { channel: "samples", from: trilin, to: abc, tokens: ray },
+            Joint { channel: "shaded", from: abc, to: cone, tokens: ray },
+            Joint { channel: "pixels", from: cone, to: host, tokens: ray },
+        ]
+    };
+
     fn assemble(
         machine: &MachineSpec,
         frames: Vec<FrameSetup>,
@@ -194,6 +278,7 @@ impl<F: Fidelity> Machine<F> {
         parts: impl Fn(&FrameSetup) -> Parts<F>,
     ) -> Result<Machine<F>, ChannelError> {
         let sizes = &machine.channel;
+        let [beams, aligned, rays, samples, shaded, pixels] = Self::JOINTS.map(|joint| joint.channel);
         let mut dsb = Vec::new();
         let mut trilin = Vec::new();
         let mut abc = Vec::new();
@@ -215,12 +300,12 @@ impl<F: Fidelity> Machine<F> {
             abc: AbcUnit::new(abc),
             cone: ConeUnit::new(frames.iter().map(|setup| ConeSpec::new(machine, setup)).collect(), nodes),
             host: HostPort::new(host),
-            beams: channel("beams", sizes.beams)?,
-            aligned: channel("aligned", sizes.aligned)?,
-            rays: channel("rays", sizes.rays)?,
-            samples: channel("samples", sizes.samples)?,
-            shaded: channel("shaded", sizes.shaded)?,
-            pixels: channel("pixels", sizes.pixels)?,
+            beams: channel(beams, sizes.beams)?,
+            aligned: channel(aligned, sizes.aligned)?,
+            rays: channel(rays, sizes.rays)?,
+            samples: channel(samples, sizes.samples)?,
+            shaded: channel(shaded, sizes.shaded)?,
+            pixels: channel(pixels, sizes.pixels)?,
             cycle: 0,
             last_move: 0,
             frame_ends: Vec::with_capacity(frames.len()),
@@ -230,9 +315,9 @@ impl<F: Fidelity> Machine<F> {
     }
 
     /// One cycle. Every unit ticks, each with the channels at its ends; then every channel commits. What each unit did, in the
-    /// order of [`Machine::UNITS`].
+    /// order of [`Machine::UNITS`]; the observer sees it, and what moved, before the commit.
     #[inline]
-    fn tick(&mut self) -> [Activity; 8] {
+    fn tick<O: Observe>(&mut self, observer: &mut O) -> [Activity; UNITS] {
         let frames = &self.frames;
         let released = if self.overlap { u32::MAX } else { self.host.frames_done() + 1 };
         let host = self.host.tick(frames, &mut self.pixels);
@@ -242,11 +327,38 @@ impl<F: Fidelity> Machine<F> {
         let [write, read] = self.dsb.tick(&mut self.aligned, &mut self.rays);
         let bus = self.bus.tick(frames, &mut self.beams, &mut self.aligned);
         let cfb = self.cfb.tick(frames, released, &mut self.beams);
+        let activities = [cfb, bus, write, read, trilin, abc, cone, host];
+        if O::WATCHES {
+            observer.cycle(&activities, self.moves());
+        }
         self.commit();
         if self.host.frames_done() as usize > self.frame_ends.len() {
             self.frame_ends.push(self.cycle);
         }
-        [cfb, bus, write, read, trilin, abc, cone, host]
+        activities
+    }
+
+    /// What was pushed and popped in this cycle.
+    #[inline]
+    fn moves(&self) -> [Move; CHANNELS] {
+        #[inline]
+        fn of<T: Identity>(channel: &Channel<T>) -> Move {
+            Move { pushed: channel.pushed().map(Identity::token), popped: channel.popped() }
+        }
+        [of(&self.beams), of(&self.aligned), of(&self.rays), of(&self.samples), of(&self.shaded), of(&self.pixels)]
+    }
+
+    /// The tokens in each channel, oldest first, each with the cycles until it can be popped.
+    pub fn held(&self) -> [Vec<(Token, u64)>; CHANNELS] {
+        fn of<T: Identity>(channel: &Channel<T>) -> Vec<(Token, u64)> {
+            channel.held().map(|(token, cycles)| (token.token(), cycles)).collect()
+        }
+        [of(&self.beams), of(&self.aligned), of(&self.rays), of(&self.samples), of(&self.shaded), of(&self.pixels)]
+    }
+
+    /// Cycles so far.
+    pub fn now(&self) -> u64 {
+        self.cycle
     }
 
     #[inline]
@@ -270,9 +382,25 @@ impl<F: Fidelity> Machine<F> {
     /// # Errors
     /// A machine that cannot move; nothing has been waited for longer than the longest channel latency.
     pub fn run(&mut self, progress: &dyn Fn(u64, u64)) -> Result<(), Deadlock> {
+        self.run_until(u64::MAX, &mut Unobserved, progress).map(|_| ())
+    }
+
+    /// Runs on to the last pixel, or until `stop` cycles have passed since the start of the run. Whether the last pixel has come.
+    ///
+    /// # Errors
+    /// As [`Machine::run`].
+    pub fn run_until<O: Observe>(
+        &mut self,
+        stop: u64,
+        observer: &mut O,
+        progress: &dyn Fn(u64, u64),
+    ) -> Result<bool, Deadlock> {
         let all = self.ray_slots();
         while self.host.received() < all {
-            if self.tick().into_iter().any(Activity::is_active) {
+            if self.cycle >= stop {
+                return Ok(false);
+            }
+            if self.tick(observer).into_iter().any(Activity::is_active) {
                 self.last_move = self.cycle;
             } else if !self.in_flight() {
                 return Err(self.deadlock());
@@ -282,7 +410,7 @@ impl<F: Fidelity> Machine<F> {
             }
         }
         progress(all, all);
-        Ok(())
+        Ok(true)
     }
 
     fn in_flight(&self) -> bool {
@@ -294,28 +422,24 @@ impl<F: Fidelity> Machine<F> {
             || self.pixels.in_flight()
     }
 
-    /// Who waits for whom. Each port between two units is full, empty, or neither.
+    /// Each channel, in the order of [`Machine::JOINTS`].
+    fn standings(&self) -> [Standing; CHANNELS] {
+        let [beams, aligned, rays, samples, shaded, pixels] = Self::JOINTS;
+        [
+            Standing::of(&self.beams, beams),
+            Standing::of(&self.aligned, aligned),
+            Standing::of(&self.rays, rays),
+            Standing::of(&self.samples, samples),
+            Standing::of(&self.shaded, shaded),
+            Standing::of(&self.pixels, pixels),
+        ]
+    }
+
+    /// Who waits for whom, inside of the units and between them.
     fn deadlock(&self) -> Deadlock {
-        fn between<T>(from: &'static str, channel: &Channel<T>, to: &'static str) -> Option<Wait> {
-            let (unit, state, upon) = if channel.front().is_none() {
-                (to, PortState::Empty, from)
-            } else if !channel.can_push() {
-                (from, PortState::Full, to)
-            } else {
-                return None;
-            };
-            let port = channel.name().to_owned();
-            Some(Wait { unit, port, state, occupancy: channel.occupancy(), capacity: channel.capacity(), upon })
-        }
         let mut waits = self.dsb.inner_waits(&self.aligned);
         waits.extend(self.abc.inner_wait(&self.samples));
-        let (write, read) = (DsbUnit::<F::Dsb>::WRITE, DsbUnit::<F::Dsb>::READ);
-        waits.extend(between("cfb", &self.beams, "bus"));
-        waits.extend(between("bus", &self.aligned, write));
-        waits.extend(between(read, &self.rays, "trilin"));
-        waits.extend(between("trilin", &self.samples, "abc"));
-        waits.extend(between("abc", &self.shaded, "cone"));
-        waits.extend(between("cone", &self.pixels, "host"));
+        waits.extend(self.standings().iter().filter_map(Standing::wait));
         diagnose(self.last_move, &waits)
     }
 
@@ -333,14 +457,7 @@ impl<F: Fidelity> Machine<F> {
             self.host.account(),
         ];
         let units = Self::UNITS.into_iter().zip(accounts.map(|account| *account)).collect();
-        let channels = vec![
-            ChannelReading::from(&self.beams),
-            ChannelReading::from(&self.aligned),
-            ChannelReading::from(&self.rays),
-            ChannelReading::from(&self.samples),
-            ChannelReading::from(&self.shaded),
-            ChannelReading::from(&self.pixels),
-        ];
+        let channels = self.standings().map(|standing| standing.reading).into();
         RunCounters {
             cycles: self.cycle,
             frame_ends: self.frame_ends.clone(),
@@ -350,5 +467,46 @@ impl<F: Fidelity> Machine<F> {
             units,
             channels,
         }
+    }
+}
+
+impl<F: Fidelity> Archived for Machine<F> {
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        let Machine {
+            frames: _,
+            overlap: _,
+            cfb,
+            bus,
+            dsb,
+            trilin,
+            abc,
+            cone,
+            host,
+            beams,
+            aligned,
+            rays,
+            samples,
+            shaded,
+            pixels,
+            cycle,
+            last_move,
+            frame_ends,
+        } = self;
+        cfb.archive(archive)?;
+        bus.archive(archive)?;
+        dsb.archive(archive)?;
+        trilin.archive(archive)?;
+        abc.archive(archive)?;
+        cone.archive(archive)?;
+        host.archive(archive)?;
+        beams.archive(archive)?;
+        aligned.archive(archive)?;
+        rays.archive(archive)?;
+        samples.archive(archive)?;
+        shaded.archive(archive)?;
+        pixels.archive(archive)?;
+        archive.item(cycle)?;
+        archive.item(last_move)?;
+        archive.item(frame_ends)
     }
 }

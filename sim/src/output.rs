@@ -50,9 +50,7 @@ pub fn write_run(folder: &Path, result: &RunResult, scene: &Scene, machine: &Mac
     let mut written = Vec::new();
     for (name, bytes) in &files {
         let path = folder.join(name);
-        let part = folder.join(format!(".{name}.part"));
-        let result = std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, &path));
-        result.map_err(|error| failed(&path, error))?;
+        replace(&path, bytes).map_err(|error| failed(&path, error))?;
         written.push(path.display().to_string());
     }
     // A picture of an earlier run beside this report would be taken for this run's.
@@ -63,6 +61,23 @@ pub fn write_run(folder: &Path, result: &RunResult, scene: &Scene, machine: &Mac
         }
     }
     Ok(written)
+}
+
+/// Writes a file that a person has named, whole or not at all.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Outcome<()> {
+    replace(path, bytes).map_err(|error| {
+        Problem::new(format!("{}: {error}; give a file in a folder that can be written", path.display()))
+    })
+}
+
+/// Writes beside the file first, so that it appears at once.
+fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let name = path.file_name().ok_or_else(|| std::io::Error::other("this is no name for a file"))?;
+    let part = path.with_file_name(format!(".{}.part", name.to_string_lossy()));
+    std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path))
 }
 
 fn png(picture: &Picture) -> Outcome<Vec<u8>> {

@@ -1,12 +1,14 @@
 //! One frame on the machine: picture, throughput, stalls, error.
 
-use crate::fidelity::Timing;
+use crate::checkpoint::Identity;
+use crate::clocked::{Stops, run_clocked};
+use crate::fidelity::{Fidelity, Timing};
 use crate::function::{CanonicalVolume, FunctionRun, render};
 use crate::gradient_error;
 use crate::inputs::LoadedVolume;
 use crate::limits;
 use crate::machine::{Machine, Overflows, RunCounters};
-use crate::problem::Outcome;
+use crate::problem::{Outcome, Problem};
 use crate::progress::Progress;
 use crate::resources::resources;
 use cube3_channel::Reason;
@@ -113,6 +115,8 @@ pub struct RunResult {
     pub pictures: Pictures,
     /// What a person should know, in sentences.
     pub notes: Vec<String>,
+    /// The clocked run's counters, where there was one.
+    pub counters: Option<RunCounters>,
 }
 
 /// What the machine has given: counters, base plane, saturated words, and the seconds each run took.
@@ -124,6 +128,8 @@ struct MachineRun {
     timing_s: Option<f64>,
     function_s: Option<f64>,
     cycle_s: Option<f64>,
+    /// What the stops of the clocked run have to tell.
+    told: Vec<String>,
 }
 
 /// Runs a frame.
@@ -136,9 +142,23 @@ pub fn run_frame(
     volume: &LoadedVolume,
     options: &RunOptions,
 ) -> Outcome<RunResult> {
+    run_frame_with(scene, machine, volume, options, &Stops::default())
+}
+
+/// Runs a frame, with stops of the clocked run.
+///
+/// # Errors
+/// As [`run_frame`], and stops that are not in the run.
+pub fn run_frame_with(
+    scene: &Scene,
+    machine: &MachineSpec,
+    volume: &LoadedVolume,
+    options: &RunOptions,
+    stops: &Stops,
+) -> Outcome<RunResult> {
     let total = Progress::new("total");
     let frame = frame_setup(scene, machine, &volume.info(), options.plan)?;
-    let run = run_machine(&frame, machine, volume, options)?;
+    let run = run_machine(&frame, machine, volume, options, stops)?;
     let plane = ImagePlane::new(scene, &frame.view, volume.words.dims, volume.words.spacing);
     let mut pictures = Pictures::default();
     let mut digest = DigestReport::default();
@@ -217,8 +237,9 @@ pub fn run_frame(
         },
     };
     report.check()?;
-    let notes = notes(scene, volume, run.base.as_ref(), samples);
-    Ok(RunResult { report, pictures, notes })
+    let mut told = run.told;
+    told.extend(notes(scene, volume, run.base.as_ref(), samples));
+    Ok(RunResult { report, pictures, notes: told, counters: run.counters })
 }
 
 fn run_machine(
@@ -226,26 +247,32 @@ fn run_machine(
     machine: &MachineSpec,
     volume: &LoadedVolume,
     options: &RunOptions,
+    stops: &Stops,
 ) -> Outcome<MachineRun> {
     let mut run = MachineRun::default();
+    if options.runs == Runs::Function && !stops.is_empty() {
+        return Err(Problem::new(
+            "--fidelity function has no cycles to trace, save or resume; give --fidelity timing, both or cycle",
+        ));
+    }
     match options.runs {
         Runs::Both => {
             let (timing, function) = std::thread::scope(|scope| {
-                let timing = scope.spawn(|| timing(frame, machine));
+                let timing = scope.spawn(|| timing(frame, machine, volume, stops));
                 let function = function(frame, volume, options.plan);
                 (timing.join(), function)
             });
-            let timing = timing.map_err(|_| crate::problem::Problem::new("the timing run stopped unexpectedly"))?;
-            (run.counters, run.timing_s) = timing.map(|(counters, seconds)| (Some(counters), Some(seconds)))?;
+            run.take_timing(timing.map_err(|_| Problem::new("the timing run stopped unexpectedly"))??);
             run.take_function(function);
         }
-        Runs::Timing => (run.counters, run.timing_s) = timing(frame, machine).map(|(c, s)| (Some(c), Some(s)))?,
+        Runs::Timing => run.take_timing(timing(frame, machine, volume, stops)?),
         Runs::Function => run.take_function(function(frame, volume, options.plan)),
         Runs::Cycle => {
             let progress = Progress::new("cycle");
             let words = &volume.words;
-            let mut machine = Machine::cycle(machine, vec![frame.setup.clone()], words.dims, &words.words)?;
-            machine.run(&|done, all| progress.set(done, all))?;
+            let mut cycle = Machine::cycle(machine, vec![frame.setup.clone()], words.dims, &words.words)?;
+            run.told = clocked(&mut cycle, Runs::Cycle, frame, machine, volume, stops, &progress)?;
+            let machine = cycle;
             run.cycle_s = Some(progress.finish());
             run.counters = Some(machine.counters());
             run.overflows = machine.overflows();
@@ -256,6 +283,12 @@ fn run_machine(
 }
 
 impl MachineRun {
+    fn take_timing(&mut self, (counters, seconds, told): TimingRun) {
+        self.counters = Some(counters);
+        self.timing_s = Some(seconds);
+        self.told = told;
+    }
+
     fn take_function(&mut self, (run, seconds): (FunctionRun, f64)) {
         self.base = Some(run.base);
         self.overflows = run.overflows;
@@ -263,11 +296,29 @@ impl MachineRun {
     }
 }
 
-fn timing(frame: &Frame, machine: &MachineSpec) -> Outcome<(RunCounters, f64)> {
+/// What a timing run gives: counters, seconds, and what its stops have to tell.
+type TimingRun = (RunCounters, f64, Vec<String>);
+
+fn timing(frame: &Frame, machine: &MachineSpec, volume: &LoadedVolume, stops: &Stops) -> Outcome<TimingRun> {
     let progress = Progress::new("timing");
-    let mut machine: Machine<Timing> = Machine::timing(machine, vec![frame.setup.clone()])?;
-    machine.run(&|done, all| progress.set(done, all))?;
-    Ok((machine.counters(), progress.finish()))
+    let mut timing: Machine<Timing> = Machine::timing(machine, vec![frame.setup.clone()])?;
+    let told = clocked(&mut timing, Runs::Timing, frame, machine, volume, stops, &progress)?;
+    Ok((timing.counters(), progress.finish(), told))
+}
+
+fn clocked<F: Fidelity>(
+    run: &mut Machine<F>,
+    runs: Runs,
+    frame: &Frame,
+    machine: &MachineSpec,
+    volume: &LoadedVolume,
+    stops: &Stops,
+    progress: &Progress,
+) -> Outcome<Vec<String>> {
+    let words = &volume.words;
+    let frames = std::slice::from_ref(&frame.setup);
+    let identity = || Identity::new(runs.name(), machine, frames, words.dims, &words.words);
+    run_clocked(run, stops, machine.clock_hz, identity, &|done, all| progress.set(done, all))
 }
 
 fn function(frame: &Frame, volume: &LoadedVolume, skip: bool) -> (FunctionRun, f64) {
@@ -342,7 +393,7 @@ fn measure(
     pictures: &mut Pictures,
 ) -> Outcome<ErrorReport> {
     let Some(image) = &pictures.image else {
-        return Err(crate::problem::Problem::new("there is no picture to measure"));
+        return Err(Problem::new("there is no picture to measure"));
     };
     let object = footprint(image, &picture, scene.background)?;
     let comparison = compare(image, &picture, Some(&object))?;

@@ -5,6 +5,7 @@ use cube3_host::{
     ReflectanceTable, Shading,
 };
 use cube3_word::{Words, lerp, saturate, unit_full};
+use serde::{Deserialize, Serialize};
 
 /// The sample and its 26 neighbours, `[w][v][u]` with the sample itself at `[1][1][1]`: w along the ray, v from
 /// plane to plane, u from ray to ray. Samples beyond the volume are the border word.
@@ -218,7 +219,7 @@ pub fn classify(sample: i32, magnitude: u32, table: &Classification) -> Option<(
 }
 
 /// A sample as it goes into the cone.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shaded {
     /// Whether the sample takes part: it is in the volume, within every clip and the threshold.
     pub present: bool,

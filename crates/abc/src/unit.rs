@@ -9,7 +9,7 @@
 
 use crate::golden::Shaded;
 use crate::lanes::{AbcLanes, ShadedRow};
-use cube3_channel::{Account, Activity, Channel, PortState, Wait};
+use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, PortState, Wait};
 use cube3_dsb::golden::ray_lane;
 use cube3_host::{DiscreteRay, FrameSetup, GradientMethod, MachineSpec};
 use cube3_trilin::{RaySamples, SampleRay};
@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 pub const RING: usize = 4;
 
 /// A slot of coloured samples.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ShadedRay<D> {
     /// Frame, from 0.
     pub frame: u32,
@@ -33,15 +33,15 @@ pub struct ShadedRay<D> {
 }
 
 /// Coloured samples of a ray slot, in lane order.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ShadedSamples(pub Vec<Shaded>);
 
 /// The ABC units' arithmetic, or nothing where only time counts.
-pub trait Shade {
+pub trait Shade: Archived {
     /// What rays of samples carry.
     type Input: Default;
     /// What rays of coloured samples carry.
-    type Output: Default;
+    type Output: Payload;
 
     /// Takes the next ray of a plane.
     fn take(&mut self, setup: &FrameSetup, ray: &mut SampleRay<Self::Input>);
@@ -63,6 +63,12 @@ impl Shade for NoShading {
 
     #[inline(always)]
     fn give(&mut self, _: &FrameSetup, _: usize, _: usize, _: &mut ()) {}
+}
+
+impl Archived for NoShading {
+    fn archive(&mut self, _: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        Ok(())
+    }
 }
 
 /// Samples of a plane: for each slot, in order of depth.
@@ -429,5 +435,22 @@ impl<A: Shade> AbcUnit<A> {
     /// What the unit did with its cycles.
     pub fn account(&self) -> &Account {
         &self.account
+    }
+}
+
+impl Archived for Shader {
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        let Shader { lanes: _, arithmetic: _, ring, first, around: _, row: _, overflows } = self;
+        ring.iter_mut().chain(first).try_for_each(|plane| archive.list(plane))?;
+        archive.item(overflows)
+    }
+}
+
+impl<A: Archived> Archived for AbcUnit<A> {
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        let AbcUnit { frames, state, account } = self;
+        archive.item(state)?;
+        archive.item(account)?;
+        frames.iter_mut().try_for_each(|AbcFrame { spec: _, arithmetic, base: _ }| arithmetic.archive(archive))
     }
 }

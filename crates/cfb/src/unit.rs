@@ -7,12 +7,12 @@
 use crate::FrameBuffer;
 use crate::golden::Skew;
 use crate::memory::{MemoryCounters, MemoryState, Modules};
-use cube3_channel::{Account, Activity, Channel, Reason};
+use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, Reason};
 use cube3_host::{FrameSetup, Geometry, MachineSpec, RaySlots};
 use serde::{Deserialize, Serialize};
 
 /// A beam on its way: the row of voxels that plane `plane` of ray slots has at depth `depth`.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Beam<D> {
     /// Frame, from 0.
     pub frame: u32,
@@ -27,13 +27,13 @@ pub struct Beam<D> {
 }
 
 /// The voxels of a beam in lane order.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct VoxelBeam(pub Vec<u16>);
 
 /// Where beams come from: a frame buffer with voxels, or nothing where only time counts.
 pub trait Fetch {
     /// What a beam carries.
-    type Output: Default;
+    type Output: Payload;
 
     /// Reads the beam along u at row `v` and plane `w`.
     fn fetch(&self, setup: &FrameSetup, v: usize, w: usize, output: &mut Self::Output);
@@ -209,6 +209,14 @@ impl<F: Fetch> CfbUnit<F> {
     /// What the unit did with its cycles.
     pub fn account(&self) -> &Account {
         &self.account
+    }
+}
+
+impl<F> Archived for CfbUnit<F> {
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        let CfbUnit { specs: _, memory: _, modules: _, state, account } = self;
+        archive.item(state)?;
+        archive.item(account)
     }
 }
 

@@ -16,6 +16,40 @@ pub enum Activity {
 }
 
 impl Activity {
+    /// How many there are.
+    pub const COUNT: usize = 3 + Reason::ALL.len();
+
+    /// Its place among all, from 0.
+    #[inline]
+    pub fn code(self) -> u8 {
+        match self {
+            Activity::Busy => 0,
+            Activity::Starved => 1,
+            Activity::Blocked => 2,
+            Activity::Waiting(reason) => 3 + reason as u8,
+        }
+    }
+
+    /// The activity at a place, where there is one.
+    pub fn from_code(code: u8) -> Option<Activity> {
+        match code {
+            0 => Some(Activity::Busy),
+            1 => Some(Activity::Starved),
+            2 => Some(Activity::Blocked),
+            _ => Reason::ALL.get(usize::from(code) - 3).map(|(reason, _)| Activity::Waiting(*reason)),
+        }
+    }
+
+    /// Its name in traces.
+    pub fn name(self) -> &'static str {
+        match self {
+            Activity::Busy => "busy",
+            Activity::Starved => "starved",
+            Activity::Blocked => "blocked",
+            Activity::Waiting(reason) => Reason::ALL[reason as usize].1,
+        }
+    }
+
     /// Whether something moved or a timer ran.
     #[inline]
     pub fn is_active(self) -> bool {
@@ -90,5 +124,24 @@ impl Account {
     /// Cycles in which something moved or a timer ran.
     pub fn active(&self) -> u64 {
         self.busy + self.waiting.iter().sum::<u64>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_activity_has_its_own_code_and_name() {
+        let all: Vec<Activity> = (0..Activity::COUNT as u8).filter_map(Activity::from_code).collect();
+        assert_eq!(all.len(), Activity::COUNT);
+        for (code, activity) in all.iter().enumerate() {
+            assert_eq!(usize::from(activity.code()), code);
+        }
+        for (place, (reason, name)) in Reason::ALL.into_iter().enumerate() {
+            assert_eq!(reason as usize, place);
+            assert_eq!(Activity::Waiting(reason).name(), name);
+        }
+        assert_eq!(Activity::from_code(Activity::COUNT as u8), None);
     }
 }

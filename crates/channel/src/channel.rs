@@ -1,5 +1,6 @@
 //! A bounded pipelined channel with credits.
 
+use crate::{Archive, ArchiveError, Archived, Payload};
 use serde::{Deserialize, Serialize};
 
 /// A first-in first-out channel of `capacity` tokens, each of which takes `latency` cycles from push to pop.
@@ -161,6 +162,24 @@ impl<T> Channel<T> {
         (0..self.len).any(|i| self.ready[(self.head + i) & self.mask] >= self.now)
     }
 
+    /// The token that was pushed in this cycle, until the commit.
+    #[inline]
+    pub fn pushed(&self) -> Option<&T> {
+        self.pushed.then(|| &self.slots[(self.head + self.len - 1) & self.mask])
+    }
+
+    /// Whether a token was popped in this cycle, until the commit.
+    #[inline]
+    pub fn popped(&self) -> bool {
+        self.popped
+    }
+
+    /// The tokens held, oldest first, each with the cycles until it can be popped.
+    pub fn held(&self) -> impl Iterator<Item = (&T, u64)> {
+        let place = |i: usize| (self.head + i) & self.mask;
+        (0..self.len).map(move |i| (&self.slots[place(i)], self.ready[place(i)].saturating_sub(self.now)))
+    }
+
     /// Tokens held, those on their way included.
     pub fn occupancy(&self) -> usize {
         self.len
@@ -184,6 +203,26 @@ impl<T> Channel<T> {
     /// The counters.
     pub fn counters(&self) -> ChannelCounters {
         self.counters
+    }
+}
+
+/// Tokens held are archived, and not the memory of those that have left. Between two cycles only: nothing pushed or popped.
+impl<T: Payload> Archived for Channel<T> {
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        let Channel { name, slots, ready, mask, head, len, capacity, latency: _, now, pushed: _, popped: _, counters } =
+            self;
+        archive.item(now)?;
+        archive.item(counters)?;
+        archive.item(len)?;
+        if *len > *capacity {
+            return Err(ArchiveError::Tokens { name, found: *len, capacity: *capacity });
+        }
+        for i in 0..*len {
+            let place = (*head + i) & *mask;
+            archive.item(&mut ready[place])?;
+            archive.item(&mut slots[place])?;
+        }
+        Ok(())
     }
 }
 
@@ -247,6 +286,33 @@ mod tests {
     }
 
     #[test]
+    fn what_was_pushed_and_popped_can_be_seen_until_the_commit() {
+        let mut channel = Channel::new("c", 2, 1).unwrap();
+        assert_eq!((channel.pushed(), channel.popped()), (None, false));
+        channel.push(5).unwrap();
+        assert_eq!((channel.pushed(), channel.popped()), (Some(&5), false));
+        assert_eq!(channel.held().collect::<Vec<_>>(), [(&5, 1)]);
+        channel.commit();
+        assert_eq!((channel.pushed(), channel.popped()), (None, false));
+        channel.pop();
+        channel.push(6).unwrap();
+        assert_eq!((channel.pushed(), channel.popped()), (Some(&6), true));
+    }
+
+    #[test]
+    fn more_tokens_than_fit_are_refused() {
+        let mut wide = Channel::new("wide", 3, 1).unwrap();
+        for token in 0..3 {
+            wide.push(token).unwrap();
+            wide.commit();
+        }
+        let bytes = Archive::save(&mut wide).unwrap();
+        let mut narrow = Channel::<i32>::new("narrow", 2, 1).unwrap();
+        let error = Archive::restore(&bytes, &mut narrow).unwrap_err();
+        assert_eq!(error, ArchiveError::Tokens { name: "narrow", found: 3, capacity: 2 });
+    }
+
+    #[test]
     fn impossible_channels_are_refused() {
         assert!(matches!(Channel::<u8>::new("c", 0, 1), Err(ChannelError::Capacity { .. })));
         assert!(matches!(Channel::<u8>::new("c", 1, 0), Err(ChannelError::Latency { .. })));
@@ -287,6 +353,14 @@ mod tests {
                 let counters = channel.counters();
                 prop_assert_eq!(counters.pushes, counters.pops + channel.occupancy() as u64);
                 prop_assert_eq!(channel.occupancy(), model.len());
+                // A new channel with the saved tokens goes on in the old one's place.
+                let bytes = Archive::save(&mut channel).unwrap();
+                channel = Channel::new("c", capacity, latency).unwrap();
+                Archive::restore(&bytes, &mut channel).unwrap();
+                prop_assert_eq!(channel.counters(), counters);
+                let arrivals: Vec<(u32, u64)> = channel.held().map(|(token, cycles)| (*token, cycles)).collect();
+                let expected: Vec<(u32, u64)> = model.iter().map(|(ready, token)| (*token, ready.saturating_sub(now + 1))).collect();
+                prop_assert_eq!(arrivals, expected);
             }
         }
     }

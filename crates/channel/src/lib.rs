@@ -11,12 +11,14 @@
 //! ```
 
 mod account;
+mod archive;
 mod channel;
 mod clock;
 mod stall;
 mod unit;
 
 pub use account::{Account, Activity, Reason};
+pub use archive::{Archive, ArchiveError, Archived, Payload};
 pub use channel::{Channel, ChannelCounters, ChannelError};
 pub use clock::ClockDomain;
 pub use stall::{Deadlock, PortState, Wait, diagnose};

@@ -8,13 +8,13 @@
 use crate::golden::{Node, leaf, pixel};
 use crate::lanes::{Segment, circle, join};
 use cube3_abc::{ShadedRay, ShadedSamples};
-use cube3_channel::{Account, Activity, Channel};
+use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
 use cube3_dsb::golden::ray_lane;
 use cube3_host::{DiscreteRay, FrameSetup, MachineSpec};
 use serde::{Deserialize, Serialize};
 
 /// A pixel of the base plane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Pixel {
     /// The ray.
     pub ray: DiscreteRay,
@@ -23,7 +23,7 @@ pub struct Pixel {
 }
 
 /// The pixels of a ray slot.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct PixelGroup<D> {
     /// Frame, from 0.
     pub frame: u32,
@@ -36,15 +36,15 @@ pub struct PixelGroup<D> {
 }
 
 /// The rays of a slot, in order of depth.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Pixels(pub Vec<Pixel>);
 
 /// The cone's arithmetic, or nothing where only time counts.
-pub trait Reduce {
+pub trait Reduce: Archived {
     /// What rays of coloured samples carry.
     type Input: Default;
     /// What pixel groups carry.
-    type Output: Default;
+    type Output: Payload;
 
     /// Reduces a slot to the pixels of its rays.
     fn reduce(&mut self, setup: &FrameSetup, plane: usize, slot: usize, input: &Self::Input, output: &mut Self::Output);
@@ -60,6 +60,12 @@ impl Reduce for NoPixels {
 
     #[inline(always)]
     fn reduce(&mut self, _: &FrameSetup, _: usize, _: usize, _: &(), _: &mut ()) {}
+}
+
+impl Archived for NoPixels {
+    fn archive(&mut self, _: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        Ok(())
+    }
 }
 
 /// The cone's nodes.
@@ -198,5 +204,21 @@ impl<R: Reduce> ConeUnit<R> {
     /// What the unit did with its cycles.
     pub fn account(&self) -> &Account {
         &self.account
+    }
+}
+
+impl Archived for Reducer {
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        let Reducer { overflows } = self;
+        archive.item(overflows)
+    }
+}
+
+impl<R: Archived> Archived for ConeUnit<R> {
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        let ConeUnit { specs: _, arithmetic, state, account } = self;
+        archive.item(state)?;
+        archive.item(account)?;
+        arithmetic.archive(archive)
     }
 }

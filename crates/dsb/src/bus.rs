@@ -6,7 +6,7 @@
 
 use crate::Rotator;
 use cube3_cfb::{Beam, VoxelBeam};
-use cube3_channel::{Account, Activity, Channel};
+use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
 use cube3_host::{FrameSetup, Geometry, MachineSpec};
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +15,7 @@ pub trait Align {
     /// What beams carry before.
     type Input: Default;
     /// What beams carry after.
-    type Output: Default;
+    type Output: Payload;
 
     /// Aligns the beam of row `v` at a depth.
     fn align(&self, setup: &FrameSetup, v: usize, depth: usize, input: &Self::Input, output: &mut Self::Output);
@@ -114,5 +114,13 @@ impl<B: Align> BusUnit<B> {
     /// What the unit did with its cycles.
     pub fn account(&self) -> &Account {
         &self.account
+    }
+}
+
+impl<B> Archived for BusUnit<B> {
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        let BusUnit { cycles: _, wires: _, state, account } = self;
+        archive.item(state)?;
+        archive.item(account)
     }
 }

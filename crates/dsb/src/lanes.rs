@@ -2,6 +2,7 @@
 
 use crate::golden::{beam_lane, slot};
 use cube3_cfb::golden::output_lane;
+use cube3_channel::{Archive, ArchiveError, Archived};
 use cube3_host::Geometry;
 
 /// Turns beams from the frame buffer's lane order into the skewed buffers'.
@@ -74,6 +75,14 @@ impl PlaneStore {
                 module = 0;
             }
         }
+    }
+}
+
+impl Archived for PlaneStore {
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        let PlaneStore { lanes: _, depths: _, width: _, ring, first } = self;
+        ring.iter_mut().try_for_each(|plane| archive.list(plane))?;
+        archive.list(first)
     }
 }
 

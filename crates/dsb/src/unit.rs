@@ -8,12 +8,12 @@
 
 use crate::PlaneStore;
 use cube3_cfb::{Beam, VoxelBeam};
-use cube3_channel::{Account, Activity, Channel, PortState, Wait};
+use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, PortState, Wait};
 use cube3_host::{Geometry, MachineSpec};
 use serde::{Deserialize, Serialize};
 
 /// A ray slot of two neighbouring planes.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct RayPair<D> {
     /// Frame, from 0.
     pub frame: u32,
@@ -26,7 +26,7 @@ pub struct RayPair<D> {
 }
 
 /// The voxels of a ray slot in two planes, in lane order.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RayVoxels {
     /// Plane i.
     pub current: Vec<u16>,
@@ -35,11 +35,11 @@ pub struct RayVoxels {
 }
 
 /// The memory of the buffers: planes of voxels, or nothing where only time counts.
-pub trait Store {
+pub trait Store: Archived {
     /// What aligned beams carry.
     type Input: Default;
     /// What ray pairs carry.
-    type Output: Default;
+    type Output: Payload;
 
     /// Writes the beam of a plane at a depth.
     fn write(&mut self, beam: &Beam<Self::Input>);
@@ -62,6 +62,12 @@ impl Store for NoPlanes {
 
     #[inline(always)]
     fn read(&self, _: usize, _: Option<usize>, _: bool, _: usize, _: &mut ()) {}
+}
+
+impl Archived for NoPlanes {
+    fn archive(&mut self, _: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        Ok(())
+    }
 }
 
 impl Store for PlaneStore {
@@ -298,5 +304,15 @@ impl<S: Store> DsbUnit<S> {
     /// What the write and the read port did with their cycles.
     pub fn accounts(&self) -> [&Account; 2] {
         [&self.write_account, &self.read_account]
+    }
+}
+
+impl<S: Archived> Archived for DsbUnit<S> {
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        let DsbUnit { frames, state, write_account, read_account } = self;
+        archive.item(state)?;
+        archive.item(write_account)?;
+        archive.item(read_account)?;
+        frames.iter_mut().try_for_each(|DsbFrame { spec: _, memory, base: _ }| memory.archive(archive))
     }
 }

@@ -8,14 +8,14 @@
 
 use crate::lanes::TrilinLanes;
 use bitvec::prelude::*;
-use cube3_channel::{Account, Activity, Channel};
+use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
 use cube3_dsb::golden::ray_lane;
 use cube3_dsb::{RayPair, RayVoxels};
 use cube3_host::{FrameSetup, Geometry, MachineSpec, Reuse};
 use serde::{Deserialize, Serialize};
 
 /// A slot of continuous rays.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct SampleRay<D> {
     /// Frame, from 0.
     pub frame: u32,
@@ -28,7 +28,7 @@ pub struct SampleRay<D> {
 }
 
 /// The samples of a ray slot, in lane order.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RaySamples {
     /// Sample words; 0 where there is none.
     pub samples: Vec<i32>,
@@ -37,11 +37,11 @@ pub struct RaySamples {
 }
 
 /// The interpolators' arithmetic, or nothing where only time counts.
-pub trait Interpolate {
+pub trait Interpolate: Archived {
     /// What ray pairs carry.
     type Input: Default;
     /// What rays of samples carry.
-    type Output: Default;
+    type Output: Payload;
 
     /// Takes the next pair of a plane.
     fn take(&mut self, setup: &FrameSetup, pair: &mut RayPair<Self::Input>);
@@ -65,8 +65,14 @@ impl Interpolate for NoSamples {
     fn give(&mut self, _: &FrameSetup, _: usize, _: usize, _: &mut ()) {}
 }
 
+impl Archived for NoSamples {
+    fn archive(&mut self, _: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        Ok(())
+    }
+}
+
 /// A discrete ray slot of one plane as an interpolator holds it, in order of depth.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Held {
     /// Lifted voxels.
     voxels: Vec<i32>,
@@ -353,5 +359,25 @@ impl<I: Interpolate> TrilinUnit<I> {
     /// What the unit did with its cycles.
     pub fn account(&self) -> &Account {
         &self.account
+    }
+}
+
+impl Archived for Interpolator {
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        let Interpolator { lanes: _, arithmetic: _, reuse: _, first, before, newest, sides, lerps, scratch: _ } = self;
+        archive.item(first)?;
+        archive.item(before)?;
+        archive.item(newest)?;
+        archive.list(sides)?;
+        archive.item(lerps)
+    }
+}
+
+impl<I: Archived> Archived for TrilinUnit<I> {
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        let TrilinUnit { frames, state, account } = self;
+        archive.item(state)?;
+        archive.item(account)?;
+        frames.iter_mut().try_for_each(|(_, arithmetic)| arithmetic.archive(archive))
     }
 }

@@ -1,10 +1,14 @@
 //! `cube3 run`: one frame on the machine.
 
 use super::{RawArguments, on_threads, three};
+use crate::checkpoint;
+use crate::clocked::{Stops, TraceRequest};
 use crate::inputs;
-use crate::output::write_run;
+use crate::output::{write_run, write_whole};
 use crate::problem::{Outcome, Problem};
-use crate::run::{Reference, RunOptions, Runs, run_frame};
+use crate::run::{Reference, RunOptions, Runs, run_frame_with};
+use crate::topology::Drawing;
+use crate::trace::{Format, Window};
 use clap::{Args, Parser, ValueEnum};
 use cube3_host::{GradientMethod, MachineSpec, RaySlots, TemplateRule};
 use cube3_report::table;
@@ -78,6 +82,24 @@ pub struct RunArguments {
     /// Seed of everything random; written into the report.
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// Trace of the cycles --from to --to: .fst for waveform viewers, .kanata for Konata, .json for Perfetto.
+    #[arg(long, value_name = "FILE", requires = "to")]
+    trace: Option<PathBuf>,
+    /// First cycle of the trace.
+    #[arg(long, value_name = "CYCLE", default_value_t = 0, requires = "trace")]
+    from: u64,
+    /// The cycle behind the last of the trace.
+    #[arg(long, value_name = "CYCLE", requires = "trace")]
+    to: Option<u64>,
+    /// The machine as a drawing, with how busy each unit was: .svg or .dot.
+    #[arg(long, value_name = "FILE")]
+    topology: Option<PathBuf>,
+    /// Save the clocked run at this cycle into the folder, as checkpoint.cube3, and go on.
+    #[arg(long, value_name = "CYCLE")]
+    checkpoint_at: Option<u64>,
+    /// Go on from a saved run, with the same scene, machine, volume and fidelity.
+    #[arg(long, value_name = "FILE")]
+    resume: Option<PathBuf>,
     /// Folder for report and pictures.
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
@@ -157,6 +179,8 @@ impl RunArguments {
             return print(MachineSpec::COMMENTED_DEFAULT);
         }
         self.keep_inputs()?;
+        let stops = self.stops()?;
+        let drawing = self.topology.as_deref().map(Drawing::of).transpose()?;
         let scene = self.scene()?;
         let machine = self.machine()?;
         let read = self.raw.read_options()?;
@@ -184,14 +208,37 @@ impl RunArguments {
                 volume.source, volume.words.dims[0], volume.words.dims[1], volume.words.dims[2]
             ))?;
             print(&format!("{}\n", volume.conversion))?;
-            run_frame(&scene, &machine, &volume, &options)
+            run_frame_with(&scene, &machine, &volume, &options, &stops)
         })?;
         print(&table(&result.report))?;
         for note in &result.notes {
             print(&format!("\nnote: {note}\n"))?;
         }
-        let written = write_run(&self.out, &result, &scene, &machine)?;
+        let mut written = write_run(&self.out, &result, &scene, &machine)?;
+        if let (Some(path), Some(drawing), Some(counters)) = (&self.topology, drawing, &result.counters) {
+            write_whole(path, drawing.draw(counters).as_bytes())?;
+            written.push(path.display().to_string());
+        }
         print(&format!("wrote {}\n", written.join(" ")))
+    }
+
+    /// What is asked of the clocked run.
+    fn stops(&self) -> Outcome<Stops> {
+        if matches!(self.fidelity, FidelityArgument::Function) && self.topology.is_some() {
+            return Err(Problem::new(
+                "--fidelity function has no units to draw; give --fidelity timing, both or cycle",
+            ));
+        }
+        let trace = match (&self.trace, self.to) {
+            (Some(path), Some(to)) => {
+                let format = Format::of(path)?;
+                Some(TraceRequest { path: path.clone(), format, window: Window::new(self.from, to, format)? })
+            }
+            _ => None,
+        };
+        let checkpoint = self.checkpoint_at.map(|at| (at, self.out.join("checkpoint.cube3")));
+        let resume = self.resume.as_deref().map(checkpoint::read).transpose()?;
+        Ok(Stops { trace, checkpoint, resume })
     }
 
     /// The resolved scene and machine are written into the folder; they must not take the place of the files read.

@@ -1,0 +1,208 @@
+//! A recording as an FST waveform.
+//!
+//! Time is the machine's: the clock rises at the start of a cycle, and the other signals hold what the cycle did.
+//!
+//! ```text
+//!   cube3.clock
+//!   cube3.<unit>.activity, .kind                          a number, and its name as ASCII
+//!   cube3.<channel>.occupancy, .push, .pop                at the end of the cycle; in the cycle
+//!   cube3.<channel>.pushed_frame, _plane, _depth | _slot  of the token pushed, X where there is none; popped_… likewise
+//! ```
+
+use super::{Events, Recording, Token, TraceError};
+use crate::machine::{CHANNELS, UNITS};
+use cube3_channel::Activity;
+use fst_writer::{
+    FstBodyWriter, FstFileType, FstHeaderWriter, FstInfo, FstScopeType, FstSignalId, FstSignalType, FstVarDirection,
+    FstVarType,
+};
+use std::io::Cursor;
+
+/// Letters of the longest activity's name.
+const NAME_LETTERS: usize = 13;
+const ACTIVITY_BITS: usize = 4;
+const OCCUPANCY_BITS: usize = 32;
+const TOKEN_BITS: usize = 32;
+/// Value changes are compressed and put away when they take this many bytes.
+const FLUSH_BYTES: usize = 1 << 20;
+
+/// The time unit of a waveform: a power of ten of a second of which a cycle has 1000 to 10,000.
+pub fn timescale_exponent(clock_hz: f64) -> i8 {
+    (-clock_hz.log10()).floor() as i8 - 3
+}
+
+/// Time units from the start of the run to that of a half cycle.
+fn time(clock_hz: f64, halves: u64) -> u64 {
+    (halves as f64 * 0.5 * 10_f64.powi(-i32::from(timescale_exponent(clock_hz))) / clock_hz).round() as u64
+}
+
+struct TokenSignals([FstSignalId; 3]);
+
+struct UnitSignals {
+    activity: FstSignalId,
+    kind: FstSignalId,
+}
+
+struct ChannelSignals {
+    occupancy: FstSignalId,
+    push: FstSignalId,
+    pop: FstSignalId,
+    pushed: TokenSignals,
+    popped: TokenSignals,
+}
+
+type Header = FstHeaderWriter<Cursor<Vec<u8>>>;
+type Body = FstBodyWriter<Cursor<Vec<u8>>>;
+
+fn variable(header: &mut Header, name: &str, bits: usize) -> Result<FstSignalId, TraceError> {
+    let kind = FstSignalType::bit_vec(bits as u32);
+    Ok(header.var(name, kind, FstVarType::Wire, FstVarDirection::Implicit, None)?)
+}
+
+/// A scope for a unit or channel; a dot in its name would be taken for a scope within.
+fn scope(header: &mut Header, name: &str) -> Result<(), TraceError> {
+    Ok(header.scope(name.replace('.', "_"), "", FstScopeType::Module)?)
+}
+
+fn token_variables(header: &mut Header, way: &str, place: &str) -> Result<TokenSignals, TraceError> {
+    let mut of = |field: &str| variable(header, &format!("{way}_{field}"), TOKEN_BITS);
+    Ok(TokenSignals([of("frame")?, of("plane")?, of(place)?]))
+}
+
+/// A word as the letters that the writer takes, most significant first.
+fn bits<const N: usize>(word: u64) -> [u8; N] {
+    std::array::from_fn(|i| b'0' + (word >> (N - 1 - i) & 1) as u8)
+}
+
+/// A name as the bits of its letters, blanks before it.
+fn letters(name: &str) -> Vec<u8> {
+    format!("{name:>NAME_LETTERS$}").bytes().flat_map(|letter| bits::<8>(u64::from(letter))).collect()
+}
+
+struct Writer {
+    body: Body,
+    clock: FstSignalId,
+    units: Vec<UnitSignals>,
+    channels: Vec<ChannelSignals>,
+    names: Vec<Vec<u8>>,
+    /// What was written last: most signals keep their value from cycle to cycle.
+    last: Option<Events>,
+}
+
+impl Writer {
+    fn token(&mut self, signals: [FstSignalId; 3], token: Option<Token>) -> Result<(), TraceError> {
+        let fields = token.map(|Token { frame, plane, place }| [frame, plane, place]);
+        for (i, signal) in signals.into_iter().enumerate() {
+            let value = fields.map_or([b'X'; TOKEN_BITS], |fields| bits(u64::from(fields[i])));
+            self.body.signal_change(signal, &value)?;
+        }
+        Ok(())
+    }
+
+    fn cycle(&mut self, clock_hz: f64, events: &Events) -> Result<(), TraceError> {
+        self.body.time_change(time(clock_hz, 2 * events.cycle))?;
+        self.body.signal_change(self.clock, b"1")?;
+        let last = self.last.take();
+        for i in 0..UNITS {
+            let activity = events.activities[i];
+            if last.as_ref().is_none_or(|last| last.activities[i] != activity) {
+                let code = activity.code();
+                self.body.signal_change(self.units[i].activity, &bits::<ACTIVITY_BITS>(u64::from(code)))?;
+                self.body.signal_change(self.units[i].kind, &self.names[usize::from(code)])?;
+            }
+        }
+        for i in 0..CHANNELS {
+            let ChannelSignals { occupancy, push, pop, .. } = self.channels[i];
+            let (TokenSignals(pushed), TokenSignals(popped)) = (&self.channels[i].pushed, &self.channels[i].popped);
+            let (pushed, popped) = (*pushed, *popped);
+            if last.as_ref().is_none_or(|last| last.occupancy[i] != events.occupancy[i]) {
+                self.body.signal_change(occupancy, &bits::<OCCUPANCY_BITS>(events.occupancy[i] as u64))?;
+            }
+            for (flag, token, signals, before) in [
+                (push, events.pushed[i], pushed, last.as_ref().map(|last| last.pushed[i])),
+                (pop, events.popped[i], popped, last.as_ref().map(|last| last.popped[i])),
+            ] {
+                if before != Some(token) {
+                    self.body.signal_change(flag, if token.is_some() { b"1" } else { b"0" })?;
+                    self.token(signals, token)?;
+                }
+            }
+        }
+        self.last = Some(events.clone());
+        self.body.time_change(time(clock_hz, 2 * events.cycle + 1))?;
+        self.body.signal_change(self.clock, b"0")?;
+        if self.body.size() > FLUSH_BYTES {
+            self.body.flush()?;
+        }
+        Ok(())
+    }
+}
+
+/// The waveform.
+pub fn write(recording: &Recording) -> Result<Vec<u8>, TraceError> {
+    let clock_hz = recording.clock_hz();
+    let info = FstInfo {
+        start_time: time(clock_hz, 2 * recording.from()),
+        timescale_exponent: timescale_exponent(clock_hz),
+        version: format!("cube3 {}", env!("CARGO_PKG_VERSION")),
+        date: String::new(),
+        file_type: FstFileType::Verilog,
+    };
+    let mut header = FstHeaderWriter::write_to_mem(&info)?;
+    scope(&mut header, "cube3")?;
+    let clock = variable(&mut header, "clock", 1)?;
+    let mut units = Vec::new();
+    for unit in recording.units() {
+        scope(&mut header, unit)?;
+        units.push(UnitSignals {
+            activity: variable(&mut header, "activity", ACTIVITY_BITS)?,
+            kind: variable(&mut header, "kind", 8 * NAME_LETTERS)?,
+        });
+        header.up_scope()?;
+    }
+    let mut channels = Vec::new();
+    for track in recording.tracks() {
+        scope(&mut header, track.joint.channel)?;
+        let place = track.joint.tokens.place();
+        channels.push(ChannelSignals {
+            occupancy: variable(&mut header, "occupancy", OCCUPANCY_BITS)?,
+            push: variable(&mut header, "push", 1)?,
+            pop: variable(&mut header, "pop", 1)?,
+            pushed: token_variables(&mut header, "pushed", place)?,
+            popped: token_variables(&mut header, "popped", place)?,
+        });
+        header.up_scope()?;
+    }
+    header.up_scope()?;
+    let mut writer = Writer {
+        body: header.finish()?,
+        clock,
+        units,
+        channels,
+        names: (0..Activity::COUNT as u8).filter_map(Activity::from_code).map(|a| letters(a.name())).collect(),
+        last: None,
+    };
+    recording.replay(|events| writer.cycle(clock_hz, events))?;
+    writer.body.time_change(time(clock_hz, 2 * recording.to()))?;
+    Ok(writer.body.finish()?.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cycle_has_a_thousand_to_ten_thousand_time_units() {
+        for clock_hz in [1.0, 3.0, 8e6, 133e6, 999e6, 1e9, 1e15] {
+            let cycle = time(clock_hz, 2);
+            assert!((1000..=10_000).contains(&cycle), "{clock_hz} Hz: {cycle}");
+        }
+        assert_eq!((timescale_exponent(8e6), time(8e6, 2)), (-10, 1250));
+    }
+
+    #[test]
+    fn every_activity_name_fits() {
+        let names = (0..Activity::COUNT as u8).filter_map(Activity::from_code).map(Activity::name);
+        assert_eq!(names.map(str::len).max(), Some(NAME_LETTERS));
+    }
+}
