@@ -7,7 +7,9 @@
 
 pub mod golden;
 mod lanes;
+mod port;
 mod unit;
 
 pub use lanes::{FrameBuffer, FrameBufferError};
-pub use unit::{Beam, CfbSpec, CfbUnit, Fetch, NoVoxels, VoxelBeam};
+pub use port::{AcquisitionPort, PortSpec};
+pub use unit::{Beam, CfbSpec, CfbUnit, Fetch, NoVoxels, VoxelBeam, scan};

@@ -4,11 +4,12 @@
 //!   (plane i, depth k) counters ──► modules ──► [beams]
 //! ```
 
-use crate::FrameBuffer;
 use crate::golden::Skew;
+use crate::{AcquisitionPort, FrameBuffer, PortSpec};
 use cube3_channel::{Account, Activity, Channel, Reason};
 use cube3_host::{FrameSetup, Geometry, MachineSpec, RaySlots};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// A beam on its way: the row of voxels that plane `plane` of ray slots has at depth `depth`.
 #[derive(Clone, Debug, Default)]
@@ -36,6 +37,12 @@ pub trait Fetch {
 
     /// Reads the beam along u at row `v` and plane `w`.
     fn fetch(&self, setup: &FrameSetup, v: usize, w: usize, output: &mut Self::Output);
+
+    /// Takes words of the volumes that come in, counted from the first word of the first.
+    fn write(&mut self, words: Range<u64>);
+
+    /// The buffers of a double buffer change roles.
+    fn swap(&mut self);
 }
 
 /// A frame buffer for timing alone.
@@ -47,6 +54,12 @@ impl Fetch for NoVoxels {
 
     #[inline(always)]
     fn fetch(&self, _: &FrameSetup, _: usize, _: usize, _: &mut ()) {}
+
+    #[inline(always)]
+    fn write(&mut self, _: Range<u64>) {}
+
+    #[inline(always)]
+    fn swap(&mut self) {}
 }
 
 impl Fetch for FrameBuffer {
@@ -54,6 +67,14 @@ impl Fetch for FrameBuffer {
 
     fn fetch(&self, setup: &FrameSetup, v: usize, w: usize, output: &mut VoxelBeam) {
         FrameBuffer::fetch(self, &setup.geometry.axes, v, w, &mut output.0);
+    }
+
+    fn write(&mut self, words: Range<u64>) {
+        FrameBuffer::write(self, words);
+    }
+
+    fn swap(&mut self) {
+        FrameBuffer::swap(self);
     }
 }
 
@@ -81,6 +102,7 @@ impl CfbSpec {
 pub struct CfbUnit<F> {
     specs: Vec<CfbSpec>,
     memory: F,
+    port: Option<AcquisitionPort>,
     state: State,
     account: Account,
 }
@@ -95,20 +117,79 @@ struct State {
     fetched: u64,
 }
 
+impl State {
+    /// Whether no voxel of the next frame has been read.
+    fn between_frames(&self) -> bool {
+        self.plane == 0 && self.depth == 0 && self.spent == 0
+    }
+}
+
 impl<F: Fetch> CfbUnit<F> {
     /// The unit's name.
     pub const NAME: &'static str = "cfb";
 
     /// A frame buffer at the start of the first of some frames.
     pub fn new(specs: Vec<CfbSpec>, memory: F) -> CfbUnit<F> {
-        CfbUnit { specs, memory, state: State::default(), account: Account::default() }
+        CfbUnit { specs, memory, port: None, state: State::default(), account: Account::default() }
+    }
+
+    /// Lets volumes come in while frames are read.
+    pub fn acquire(&mut self, port: PortSpec) {
+        self.port = Some(AcquisitionPort::new(port));
+    }
+
+    /// The port that volumes come in through, where there is one.
+    pub fn port(&self) -> Option<&AcquisitionPort> {
+        self.port.as_ref()
+    }
+
+    /// The memory.
+    pub fn memory_mut(&mut self) -> &mut F {
+        &mut self.memory
     }
 
     /// One cycle. `frames` are the registers of all frames, of which those before `released` may be scanned.
     #[inline]
     pub fn tick(&mut self, frames: &[FrameSetup], released: u32, beams: &mut Channel<Beam<F::Output>>) -> Activity {
-        let activity = self.step(frames, released, beams);
+        let activity = if self.port.is_none() {
+            self.step(frames, released, beams)
+        } else {
+            self.step_and_write(frames, released, beams)
+        };
         self.account.record(activity)
+    }
+
+    /// A cycle with an acquisition port. What is written in it is there for the beam that is fetched in it.
+    fn step_and_write(
+        &mut self,
+        frames: &[FrameSetup],
+        released: u32,
+        beams: &mut Channel<Beam<F::Output>>,
+    ) -> Activity {
+        let reads = self.reads(frames, released, beams);
+        if let Some(port) = &mut self.port {
+            port.arrive();
+            if self.state.between_frames() && port.can_show() {
+                port.show();
+                self.memory.swap();
+            }
+            let steals = port.steals(reads);
+            self.memory.write(port.write(steals || !reads));
+            if steals {
+                return Activity::Waiting(Reason::Port);
+            }
+        }
+        self.step(frames, released, beams)
+    }
+
+    /// Whether the modules are read in this cycle if nothing else takes it.
+    fn reads(&self, frames: &[FrameSetup], released: u32, beams: &Channel<Beam<F::Output>>) -> bool {
+        if self.done() || self.state.frame >= released {
+            return false;
+        }
+        let (setup, spec) = (&frames[self.state.frame as usize], self.specs[self.state.frame as usize]);
+        let last = self.state.spent + 1 >= spec.beam_cycles + spec.conflict_cycles;
+        row(&setup.geometry, self.state.plane, self.state.depth).is_some() && (!last || beams.can_push())
     }
 
     #[inline]
@@ -134,6 +215,9 @@ impl<F: Fetch> CfbUnit<F> {
         if let Some(v) = row {
             self.memory.fetch(setup, v as usize, self.state.depth as usize, &mut beam.data);
             self.state.fetched += 1;
+            if let Some(port) = &mut self.port {
+                port.fetched();
+            }
         }
         let conflict = spec.conflict_cycles > 0 && row.is_some();
         self.advance(&setup.geometry);
@@ -178,4 +262,12 @@ fn row(geometry: &Geometry, plane: u32, depth: u32) -> Option<u32> {
         RaySlots::Wrapped => Some((plane + shift) % rows),
         RaySlots::Padded => (plane + shift).checked_sub(geometry.shear_v() as u32).filter(|&row| row < rows),
     }
+}
+
+/// The beams of voxels of a frame in the order in which they are fetched: plane of ray slots, depth, row.
+pub fn scan(geometry: &Geometry) -> impl Iterator<Item = (u32, u32, u32)> + '_ {
+    let [planes, depths] = [geometry.slot_counts()[1] as u32, geometry.size[2] as u32];
+    (0..planes).flat_map(move |plane| {
+        (0..depths).filter_map(move |depth| row(geometry, plane, depth).map(|row| (plane, depth, row)))
+    })
 }

@@ -30,7 +30,9 @@ fn options_on(drop: impl Fn(&str) -> bool) -> String {
 
 #[test]
 fn every_option_in_the_commented_default_exists() {
-    let alternatives = ["file =", "yaw_deg", "tilt_deg", "roll_deg", "opacity = [[80.0, 0.0], [100.0"];
+    let alternatives = ["file =", "files =", "yaw_deg", "tilt_deg", "roll_deg", "opacity = [[80.0, 0.0], [100.0"];
+    let path = ["[path]", "turntable_deg", "interpolation", "[[path.key]]", "frame ="];
+    let alternatives = [alternatives.as_slice(), &path].concat();
     let mut opacities = 0;
     let text = options_on(|line| alternatives.iter().any(|start| line.starts_with(start)));
     // The ramp went from [transfer] and from the last layer: give it back to the layer.
@@ -50,9 +52,21 @@ fn every_option_in_the_commented_default_exists() {
     assert!(scene.lights[0].direction.is_some() && scene.depth_cue == Some(DepthCue::default()));
     assert!(scene.cuts.len() == 1 && scene.crop.is_some() && scene.threshold.is_some());
 
+    assert!(scene.volume.phase.is_some() && scene.volume.phase_per_frame.is_some());
+
     let file = options_on(|line| !line.starts_with("file =") && line != "[volume]");
     let scene = Scene::from_toml(&file, "file").unwrap();
     assert_eq!(scene.volume, VolumeSource::from_file("volume.nrrd"));
+    let files = options_on(|line| !line.starts_with("files =") && line != "[volume]");
+    assert_eq!(Scene::from_toml(&files, "files").unwrap().volume.files.len(), 2);
+
+    let on = |line: &str| path.iter().chain(&["yaw_deg", "tilt_deg", "roll_deg"]).any(|start| line.starts_with(start));
+    let after_view = |text: String| text[text.find("[path]").unwrap()..].to_owned();
+    let keys = after_view(options_on(|line| !on(line) || line.starts_with("turntable_deg")));
+    let key = Scene::from_toml(&keys, "keys").unwrap().path.unwrap().keys[0];
+    assert!(key.yaw_deg.is_some() && key.tilt_deg.is_some() && key.roll_deg.is_some());
+    let turntable = options_on(|line| line != "[path]" && !line.starts_with("turntable_deg"));
+    assert!(Scene::from_toml(&turntable, "turntable").unwrap().path.unwrap().turntable_deg.is_some());
 }
 
 #[test]
@@ -108,7 +122,7 @@ fn each_message_has_the_place_the_reason_and_what_is_right() {
         (
             "[volume]\nfile = \"a\"\nphantom = \"head\"\n",
             "scene.toml:3: volume.phantom: a file and a phantom are both given; \
-             give only one of `file` and `phantom`",
+             give only one of `file`, `files` and `phantom`",
         ),
         ("background = [0, 0]\n", "scene.toml:1: background: invalid length 2; give a list of 3 numbers"),
     ] {
