@@ -2,6 +2,7 @@
 
 use crate::golden::{Placement, Skew, output_lane};
 use cube3_host::{Axes, Layout};
+use std::ops::Range;
 
 /// The cubic frame buffer with a volume in it.
 #[derive(Clone, Debug)]
@@ -11,6 +12,10 @@ pub struct FrameBuffer {
     terms: [Vec<usize>; 3],
     words_each: usize,
     modules: Vec<u16>,
+    /// The other half of a double buffer.
+    back: Option<Vec<u16>>,
+    /// Volumes that come in, one behind another.
+    incoming: Vec<Vec<u16>>,
 }
 
 /// A frame buffer that cannot be built.
@@ -61,7 +66,8 @@ impl FrameBuffer {
             return Err(FrameBufferError::Memory { bytes, limit: Self::LIMIT_BYTES, depth: skew.depth() });
         }
         let terms = [0, 1, 2].map(|axis| (0..dims[axis]).map(|i| placement.term(axis, i)).collect());
-        let mut buffer = FrameBuffer { placement, terms, words_each, modules: vec![0; words_each * skew.lanes] };
+        let modules = vec![0; words_each * skew.lanes];
+        let mut buffer = FrameBuffer { placement, terms, words_each, modules, back: None, incoming: Vec::new() };
         let mut voxel = voxels.iter();
         for z in 0..dims[2] {
             for y in 0..dims[1] {
@@ -72,6 +78,33 @@ impl FrameBuffer {
             }
         }
         Ok(buffer)
+    }
+
+    /// Sets the volumes (x fastest) that come in while frames are read, into the modules that are read or into a `double` buffer's other half.
+    pub fn receive(&mut self, volumes: Vec<Vec<u16>>, double: bool) {
+        self.back = double.then(|| self.modules.clone());
+        self.incoming = volumes;
+    }
+
+    /// Writes words of the volumes that come in, counted from the first word of the first. Words that are not there are not written.
+    pub fn write(&mut self, words: Range<u64>) {
+        let [nx, ny, nz] = self.placement.dims;
+        let voxels = (nx * ny * nz) as u64;
+        for word in words {
+            let (volume, i) = ((word / voxels) as usize, (word % voxels) as usize);
+            let Some(&value) = self.incoming.get(volume).and_then(|volume| volume.get(i)) else {
+                continue;
+            };
+            let place = self.place([i % nx, i / nx % ny, i / (nx * ny)]);
+            self.back.as_mut().unwrap_or(&mut self.modules)[place] = value;
+        }
+    }
+
+    /// The halves of a double buffer change roles.
+    pub fn swap(&mut self) {
+        if let Some(back) = &mut self.back {
+            std::mem::swap(back, &mut self.modules);
+        }
     }
 
     fn place(&self, xyz: [usize; 3]) -> usize {

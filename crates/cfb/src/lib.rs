@@ -8,7 +8,9 @@
 pub mod golden;
 mod lanes;
 pub mod memory;
+mod port;
 mod unit;
 
 pub use lanes::{FrameBuffer, FrameBufferError};
-pub use unit::{Beam, CfbSpec, CfbUnit, Fetch, NoVoxels, VoxelBeam};
+pub use port::{AcquisitionPort, PortSpec};
+pub use unit::{Beam, CfbSpec, CfbUnit, Fetch, NoVoxels, VoxelBeam, scan};

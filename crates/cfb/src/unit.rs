@@ -4,12 +4,13 @@
 //!   (plane i, depth k) counters ──► modules ──► [beams]
 //! ```
 
-use crate::FrameBuffer;
 use crate::golden::Skew;
 use crate::memory::{MemoryCounters, MemoryState, Modules};
+use crate::{AcquisitionPort, FrameBuffer, PortSpec};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, Reason};
 use cube3_host::{FrameSetup, Geometry, MachineSpec, RaySlots};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// A beam on its way: the row of voxels that plane `plane` of ray slots has at depth `depth`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -37,6 +38,12 @@ pub trait Fetch {
 
     /// Reads the beam along u at row `v` and plane `w`.
     fn fetch(&self, setup: &FrameSetup, v: usize, w: usize, output: &mut Self::Output);
+
+    /// Takes words of the volumes that come in, counted from the first word of the first.
+    fn write(&mut self, words: Range<u64>);
+
+    /// The buffers of a double buffer change roles.
+    fn swap(&mut self);
 }
 
 /// A frame buffer for timing alone.
@@ -48,6 +55,12 @@ impl Fetch for NoVoxels {
 
     #[inline(always)]
     fn fetch(&self, _: &FrameSetup, _: usize, _: usize, _: &mut ()) {}
+
+    #[inline(always)]
+    fn write(&mut self, _: Range<u64>) {}
+
+    #[inline(always)]
+    fn swap(&mut self) {}
 }
 
 impl Fetch for FrameBuffer {
@@ -55,6 +68,14 @@ impl Fetch for FrameBuffer {
 
     fn fetch(&self, setup: &FrameSetup, v: usize, w: usize, output: &mut VoxelBeam) {
         FrameBuffer::fetch(self, &setup.geometry.axes, v, w, &mut output.0);
+    }
+
+    fn write(&mut self, words: Range<u64>) {
+        FrameBuffer::write(self, words);
+    }
+
+    fn swap(&mut self) {
+        FrameBuffer::swap(self);
     }
 }
 
@@ -90,6 +111,7 @@ pub struct CfbUnit<F> {
     memory: F,
     /// Modules that do not give any word in any cycle.
     modules: Option<Modules>,
+    port: Option<AcquisitionPort>,
     state: State,
     account: Account,
 }
@@ -113,6 +135,11 @@ pub(crate) struct Scan {
 }
 
 impl Scan {
+    /// Whether no voxel of the next frame has been read.
+    pub fn between_frames(&self) -> bool {
+        self.plane == 0 && self.depth == 0 && self.spent == 0
+    }
+
     /// Goes on to the next beam.
     #[inline]
     pub fn advance(&mut self, geometry: &Geometry) {
@@ -135,7 +162,7 @@ impl<F: Fetch> CfbUnit<F> {
 
     /// A frame buffer at the start of the first of some frames, whose modules give any word in any cycle.
     pub fn new(specs: Vec<CfbSpec>, memory: F) -> CfbUnit<F> {
-        CfbUnit { specs, memory, modules: None, state: State::default(), account: Account::default() }
+        CfbUnit { specs, memory, modules: None, port: None, state: State::default(), account: Account::default() }
     }
 
     /// With modules that take their time.
@@ -145,9 +172,35 @@ impl<F: Fetch> CfbUnit<F> {
         self
     }
 
+    /// Lets volumes come in while frames are read.
+    pub fn acquire(&mut self, port: PortSpec) {
+        self.port = Some(AcquisitionPort::new(port));
+    }
+
+    /// The port that volumes come in through, where there is one.
+    pub fn port(&self) -> Option<&AcquisitionPort> {
+        self.port.as_ref()
+    }
+
+    /// The memory.
+    pub fn memory_mut(&mut self) -> &mut F {
+        &mut self.memory
+    }
+
     /// One cycle. `frames` are the registers of all frames, of which those before `released` may be scanned.
     #[inline]
     pub fn tick(&mut self, frames: &[FrameSetup], released: u32, beams: &mut Channel<Beam<F::Output>>) -> Activity {
+        let activity = if self.port.is_none() {
+            self.read(frames, released, beams)
+        } else {
+            self.read_and_write(frames, released, beams)
+        };
+        self.account.record(activity)
+    }
+
+    /// A cycle of the modules.
+    #[inline]
+    fn read(&mut self, frames: &[FrameSetup], released: u32, beams: &mut Channel<Beam<F::Output>>) -> Activity {
         if let (Some(modules), Some(state)) = (&self.modules, &mut self.state.modules) {
             modules.ask(state, frames, &self.specs, released);
         }
@@ -155,7 +208,42 @@ impl<F: Fetch> CfbUnit<F> {
         if let Some(modules) = &mut self.state.modules {
             modules.end_cycle();
         }
-        self.account.record(activity)
+        activity
+    }
+
+    /// A cycle with an acquisition port. What is written in it is there for the beam that is fetched in it. In a cycle that
+    /// is taken from reads, the modules' own time stands still.
+    fn read_and_write(
+        &mut self,
+        frames: &[FrameSetup],
+        released: u32,
+        beams: &mut Channel<Beam<F::Output>>,
+    ) -> Activity {
+        let reads = self.reads(frames, released, beams);
+        if let Some(port) = &mut self.port {
+            port.arrive();
+            if self.state.scan.between_frames() && port.can_show() {
+                port.show();
+                self.memory.swap();
+            }
+            let steals = port.steals(reads);
+            self.memory.write(port.write(steals || !reads));
+            if steals {
+                return Activity::Waiting(Reason::Port);
+            }
+        }
+        self.read(frames, released, beams)
+    }
+
+    /// Whether the modules are read in this cycle if nothing else takes it.
+    fn reads(&self, frames: &[FrameSetup], released: u32, beams: &Channel<Beam<F::Output>>) -> bool {
+        let Scan { frame, plane, depth, spent } = self.state.scan;
+        if self.done() || frame >= released {
+            return false;
+        }
+        let row = row(&frames[frame as usize].geometry, plane, depth);
+        let last = spent + 1 >= self.specs[frame as usize].cycles(row);
+        row.is_some() && (!last || beams.can_push())
     }
 
     #[inline]
@@ -185,6 +273,9 @@ impl<F: Fetch> CfbUnit<F> {
             if let Some(v) = row {
                 self.memory.fetch(setup, v as usize, depth as usize, &mut beam.data);
                 self.state.fetched += 1;
+                if let Some(port) = &mut self.port {
+                    port.fetched();
+                }
             }
             self.state.scan.advance(&setup.geometry);
         }
@@ -214,7 +305,8 @@ impl<F: Fetch> CfbUnit<F> {
 
 impl<F> Archived for CfbUnit<F> {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let CfbUnit { specs: _, memory: _, modules: _, state, account } = self;
+        let CfbUnit { specs: _, memory: _, modules: _, port, state, account } = self;
+        archive.item(port)?;
         archive.item(state)?;
         archive.item(account)
     }
@@ -229,4 +321,12 @@ pub(crate) fn row(geometry: &Geometry, plane: u32, depth: u32) -> Option<u32> {
         RaySlots::Wrapped => Some((plane + shift) % rows),
         RaySlots::Padded => (plane + shift).checked_sub(geometry.shear_v() as u32).filter(|&row| row < rows),
     }
+}
+
+/// The beams of voxels of a frame in the order in which they are fetched: plane of ray slots, depth, row.
+pub fn scan(geometry: &Geometry) -> impl Iterator<Item = (u32, u32, u32)> + '_ {
+    let [planes, depths] = [geometry.slot_counts()[1] as u32, geometry.size[2] as u32];
+    (0..planes).flat_map(move |plane| {
+        (0..depths).filter_map(move |depth| row(geometry, plane, depth).map(|row| (plane, depth, row)))
+    })
 }

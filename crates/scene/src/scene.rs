@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::check::{self, Checked};
 use crate::{
-    Crop, Cut, DepthCue, Image, Light, MOST_CUTS, MOST_LIGHTS, Material, Mode, SceneError, Threshold, Transfer, View,
-    VolumeSource,
+    Crop, Cut, DepthCue, Image, Light, MOST_CUTS, MOST_LIGHTS, Material, Mode, Path, SceneError, Threshold, Transfer,
+    View, VolumeSource,
 };
 
 /// The number of the scene's format: a file that names another was written for another version.
@@ -25,6 +25,9 @@ pub struct Scene {
     pub volume: VolumeSource,
     /// From where.
     pub view: View,
+    /// How the view moves from frame to frame of a sequence; it stands still without.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<Path>,
     /// The raster of the picture.
     pub image: Image,
     /// Which opacity and colour a value has.
@@ -57,6 +60,7 @@ impl Default for Scene {
             background: [0.0; 3],
             volume: VolumeSource::default(),
             view: View::default(),
+            path: None,
             image: Image::default(),
             transfer: Transfer::default(),
             material: Material::default(),
@@ -82,6 +86,7 @@ impl Scene {
         check::colour("background", self.background)?;
         self.volume.validate()?;
         self.view.validate()?;
+        self.path.as_ref().map_or(Ok(()), |path| path.validate(&self.view))?;
         self.image.validate()?;
         if self.view.perspective.is_some() && self.image.pixel_size_voxel.is_some() {
             return Err(SceneError::at(

@@ -1,6 +1,6 @@
 //! Which volume is shown.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
@@ -13,15 +13,18 @@ pub const LARGEST_PHANTOM_VOXELS: usize = 4096;
 /// The default phantom and the length of its side, in voxels.
 const DEFAULT_PHANTOM: (&str, usize) = ("head", 128);
 
-/// Which volume is shown: a file or a phantom, exactly one of them.
+/// Which volume is shown: a file, a series of files or a phantom, exactly one of them.
 ///
-/// In a file, naming neither means the default phantom `head` of 128 voxels on a side.
+/// In a file, naming none means the default phantom `head` of 128 voxels on a side.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(from = "VolumeSourceInFile")]
 pub struct VolumeSource {
     /// The volume file. A relative path starts at the current directory.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
+    /// Volume files of one grid, in the order of time: a sequence of frames shows them one after another.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<PathBuf>,
     /// The name of a phantom that is computed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phantom: Option<String>,
@@ -33,6 +36,13 @@ pub struct VolumeSource {
     /// leaves the choice to the reader of the volume.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub window: Option<[f64; 2]>,
+    /// For a phantom that moves: the phase of the first volume, in periods; 0 if `None`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phase: Option<f64>,
+    /// For a phantom that moves: how far each volume of a sequence is behind the one before, in periods; one period over
+    /// all frames if `None`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phase_per_frame: Option<f64>,
 }
 
 /// The keys as they may stand in a file, before defaults.
@@ -40,19 +50,22 @@ pub struct VolumeSource {
 #[serde(deny_unknown_fields, default)]
 struct VolumeSourceInFile {
     file: Option<PathBuf>,
+    files: Vec<PathBuf>,
     phantom: Option<String>,
     size_voxels: Option<usize>,
     window: Option<[f64; 2]>,
+    phase: Option<f64>,
+    phase_per_frame: Option<f64>,
 }
 
 impl From<VolumeSourceInFile> for VolumeSource {
     fn from(given: VolumeSourceInFile) -> Self {
-        let VolumeSourceInFile { file, mut phantom, mut size_voxels, window } = given;
-        if file.is_none() {
+        let VolumeSourceInFile { file, files, mut phantom, mut size_voxels, window, phase, phase_per_frame } = given;
+        if file.is_none() && files.is_empty() {
             phantom.get_or_insert_with(|| DEFAULT_PHANTOM.0.to_owned());
             size_voxels.get_or_insert(DEFAULT_PHANTOM.1);
         }
-        VolumeSource { file, phantom, size_voxels, window }
+        VolumeSource { file, files, phantom, size_voxels, window, phase, phase_per_frame }
     }
 }
 
@@ -65,55 +78,92 @@ impl Default for VolumeSource {
 impl VolumeSource {
     /// The volume in the file at `path`.
     pub fn from_file(path: impl Into<PathBuf>) -> Self {
-        VolumeSource { file: Some(path.into()), phantom: None, size_voxels: None, window: None }
+        VolumeSourceInFile { file: Some(path.into()), ..VolumeSourceInFile::default() }.into()
+    }
+
+    /// The volumes in the files at `paths`, in the order of time.
+    pub fn from_files(paths: impl IntoIterator<Item = PathBuf>) -> Self {
+        VolumeSourceInFile { files: paths.into_iter().collect(), ..VolumeSourceInFile::default() }.into()
     }
 
     /// The phantom called `name`, of `size_voxels` on each side.
     pub fn from_phantom(name: impl Into<String>, size_voxels: usize) -> Self {
-        VolumeSource { file: None, phantom: Some(name.into()), size_voxels: Some(size_voxels), window: None }
+        VolumeSourceInFile {
+            phantom: Some(name.into()),
+            size_voxels: Some(size_voxels),
+            ..VolumeSourceInFile::default()
+        }
+        .into()
     }
 
     pub(crate) fn validate(&self) -> Checked {
-        match (&self.file, &self.phantom) {
-            (Some(_), Some(_)) => {
+        let given = [self.file.is_some(), !self.files.is_empty(), self.phantom.is_some()];
+        match given.iter().filter(|given| **given).count() {
+            0 => {
+                return Err(SceneError::at(
+                    "volume",
+                    "there is no volume",
+                    "give one of `file`, `files` and `phantom`",
+                ));
+            }
+            1 => {}
+            _ if self.phantom.is_some() => {
                 return Err(SceneError::at(
                     "volume.phantom",
                     "a file and a phantom are both given",
-                    "give only one of `file` and `phantom`",
+                    "give only one of `file`, `files` and `phantom`",
                 ));
             }
-            (None, None) => {
-                return Err(SceneError::at("volume", "there is no volume", "give one of `file` and `phantom`"));
-            }
-            (Some(file), None) => {
-                if file.as_os_str().is_empty() {
-                    return Err(SceneError::at("volume.file", "the path is empty", "give the path of a volume file"));
-                }
-                if file.to_str().is_none() {
-                    return Err(SceneError::at(
-                        "volume.file",
-                        format!("the path {file:?} is not Unicode, which a scene file has to be"),
-                        "rename the volume file",
-                    ));
-                }
-                if self.size_voxels.is_some() {
-                    return Err(SceneError::at(
-                        "volume.size_voxels",
-                        "a volume file has a size of its own",
-                        "leave `size_voxels` out, or give a phantom",
-                    ));
-                }
-            }
-            (None, Some(name)) => {
-                if name.is_empty() {
-                    return Err(SceneError::at(
-                        "volume.phantom",
-                        "the name is empty",
-                        "give the name of a phantom, such as \"head\"",
-                    ));
-                }
+            _ => {
+                return Err(SceneError::at(
+                    "volume.files",
+                    "a file and a series of files are both given",
+                    "give only one of `file` and `files`",
+                ));
             }
         }
+        if let Some(file) = &self.file {
+            validate_path("volume.file", file)?;
+        }
+        self.files.iter().enumerate().try_for_each(|(i, file)| validate_path(&format!("volume.files[{i}]"), file))?;
+        match &self.phantom {
+            None => {
+                for (key, given, reason, right) in [
+                    (
+                        "volume.size_voxels",
+                        self.size_voxels.is_some(),
+                        "a volume file has a size of its own",
+                        "leave `size_voxels` out, or give a phantom",
+                    ),
+                    (
+                        "volume.phase",
+                        self.phase.is_some(),
+                        "a volume file has no phase",
+                        "leave `phase` out, or give the phantom \"beating-heart\"",
+                    ),
+                    (
+                        "volume.phase_per_frame",
+                        self.phase_per_frame.is_some(),
+                        "a volume file has no phase",
+                        "leave `phase_per_frame` out, or give the phantom \"beating-heart\"",
+                    ),
+                ] {
+                    if given {
+                        return Err(SceneError::at(key, reason, right));
+                    }
+                }
+            }
+            Some(name) if name.is_empty() => {
+                return Err(SceneError::at(
+                    "volume.phantom",
+                    "the name is empty",
+                    "give the name of a phantom, such as \"head\"",
+                ));
+            }
+            Some(_) => {}
+        }
+        check::finite("volume.phase", self.phase.unwrap_or_default())?;
+        check::finite("volume.phase_per_frame", self.phase_per_frame.unwrap_or_default())?;
         if let Some(size) = self.size_voxels
             && !(1..=LARGEST_PHANTOM_VOXELS).contains(&size)
         {
@@ -136,4 +186,19 @@ impl VolumeSource {
         }
         Ok(())
     }
+}
+
+/// A path that a scene file can name.
+fn validate_path(key: &str, file: &Path) -> Checked {
+    if file.as_os_str().is_empty() {
+        return Err(SceneError::at(key, "the path is empty", "give the path of a volume file"));
+    }
+    if file.to_str().is_none() {
+        return Err(SceneError::at(
+            key,
+            format!("the path {file:?} is not Unicode, which a scene file has to be"),
+            "rename the volume file",
+        ));
+    }
+    Ok(())
 }

@@ -31,8 +31,18 @@ fn options_on(drop: impl Fn(&str) -> bool) -> String {
 
 #[test]
 fn every_option_in_the_commented_default_exists() {
-    let alternatives =
-        ["file =", "yaw_deg", "tilt_deg", "roll_deg", "opacity = [[80.0, 0.0], [100.0", "eye_voxel", "pixel_size"];
+    let alternatives = [
+        "file =",
+        "files =",
+        "yaw_deg",
+        "tilt_deg",
+        "roll_deg",
+        "opacity = [[80.0, 0.0], [100.0",
+        "eye_voxel",
+        "pixel_size",
+    ];
+    let path = ["[path]", "turntable_deg", "interpolation", "[[path.key]]", "frame ="];
+    let alternatives = [alternatives.as_slice(), &path].concat();
     let mut opacities = 0;
     let text = options_on(|line| alternatives.iter().any(|start| line.starts_with(start)));
     // The ramp went from [transfer] and from the last layer: give it back to the layer.
@@ -58,12 +68,22 @@ fn every_option_in_the_commented_default_exists() {
         let text = options_on(|line| !line.starts_with(start) && line != table);
         Scene::from_toml(&text, "one option").unwrap()
     };
+    assert!(scene.volume.phase.is_some() && scene.volume.phase_per_frame.is_some());
     assert_eq!(only("[volume]", "file =").volume, VolumeSource::from_file("volume.nrrd"));
+    assert_eq!(only("[volume]", "files =").volume.files.len(), 2);
     assert_eq!(only("[image]", "pixel_size").image.pixel_size_voxel, Some(1.0));
     let text =
         options_on(|line| !["[view.p", "field_of_view", "eye_voxel"].iter().any(|start| line.starts_with(start)));
     let scene = Scene::from_toml(&text, "eye").unwrap();
     assert_eq!(scene.view.perspective.unwrap().eye_voxel, Some([63.5, -150.0, 63.5]));
+
+    let on = |line: &str| path.iter().chain(&["yaw_deg", "tilt_deg", "roll_deg"]).any(|start| line.starts_with(start));
+    let after_view = |text: String| text[text.find("[path]").unwrap()..].to_owned();
+    let keys = after_view(options_on(|line| !on(line) || line.starts_with("turntable_deg")));
+    let key = Scene::from_toml(&keys, "keys").unwrap().path.unwrap().keys[0];
+    assert!(key.yaw_deg.is_some() && key.tilt_deg.is_some() && key.roll_deg.is_some());
+    let turntable = options_on(|line| line != "[path]" && !line.starts_with("turntable_deg"));
+    assert!(Scene::from_toml(&turntable, "turntable").unwrap().path.unwrap().turntable_deg.is_some());
 }
 
 #[test]
@@ -119,7 +139,7 @@ fn each_message_has_the_place_the_reason_and_what_is_right() {
         (
             "[volume]\nfile = \"a\"\nphantom = \"head\"\n",
             "scene.toml:3: volume.phantom: a file and a phantom are both given; \
-             give only one of `file` and `phantom`",
+             give only one of `file`, `files` and `phantom`",
         ),
         (
             "[view.perspective]\nfield_of_view = 3\n",

@@ -266,3 +266,24 @@ fn the_head_is_a_skull_inside_flesh_with_two_equal_halves() {
     assert!((2.5..6.0).contains(&soft), "{soft} litres of soft tissue");
     assert!(head.range().unwrap().1 <= 200.0);
 }
+
+#[test]
+fn a_beat_returns_to_its_bits_and_only_the_heart_beats() {
+    let heart = |phase: Option<f64>| {
+        Phantom::BeatingHeart.generate(32, &PhantomParams { phase, ..PhantomParams::default() }).unwrap()
+    };
+    assert_eq!(heart(None), heart(Some(0.0)));
+    for phase in [0.0, 0.1, 0.35, 0.8] {
+        assert_eq!(heart(Some(phase)), heart(Some(phase + 1.0)), "{phase}");
+    }
+    assert_ne!(heart(Some(0.0)), heart(Some(0.35)));
+    for phase in [0.0, 0.2, 0.35, 0.9] {
+        assert_eq!(heart(Some(phase)).range().unwrap(), (0.0, 200.0), "one window serves the whole beat");
+    }
+    for phantom in Phantom::ALL {
+        let moved = phantom.generate(4, &PhantomParams { phase: Some(0.5), ..PhantomParams::default() });
+        assert_eq!(moved.is_ok(), phantom.moves(), "{phantom}");
+    }
+    let lost = PhantomParams { phase: Some(f64::NAN), ..PhantomParams::default() };
+    assert!(Phantom::BeatingHeart.generate(4, &lost).is_err());
+}

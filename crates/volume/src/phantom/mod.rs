@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use crate::{Volume, VolumeError};
 
+mod beating_heart;
 mod blocks;
 mod engine;
 mod head;
@@ -32,6 +33,8 @@ pub enum Phantom {
     Engine,
     /// Blocks of nothing and of full density in turn.
     Checker,
+    /// A heart that beats in a thorax.
+    BeatingHeart,
 }
 
 /// What may be chosen of a phantom; `None` takes the default of each.
@@ -45,11 +48,13 @@ pub struct PhantomParams {
     pub centre: Option<[f64; 3]>,
     /// Checker: side of a block in voxels; default 8.
     pub period: Option<usize>,
+    /// Beating heart: phase of the beat, 0 and every whole number the end of filling; default 0.
+    pub phase: Option<f64>,
 }
 
 impl Phantom {
     /// All of them.
-    pub const ALL: [Phantom; 8] = [
+    pub const ALL: [Phantom; 9] = [
         Phantom::Head,
         Phantom::Sphere,
         Phantom::MarschnerLobb,
@@ -58,6 +63,7 @@ impl Phantom {
         Phantom::Fog,
         Phantom::Engine,
         Phantom::Checker,
+        Phantom::BeatingHeart,
     ];
 
     /// The name, as [`FromStr`] reads it.
@@ -71,7 +77,13 @@ impl Phantom {
             Phantom::Fog => "fog",
             Phantom::Engine => "engine",
             Phantom::Checker => "checker",
+            Phantom::BeatingHeart => "beating-heart",
         }
+    }
+
+    /// Whether it changes with [`PhantomParams::phase`].
+    pub fn moves(self) -> bool {
+        self == Phantom::BeatingHeart
     }
 
     /// The phantom in a cube of `size` voxels a side at unit spacing.
@@ -81,6 +93,13 @@ impl Phantom {
     /// [`VolumeError::Grid`] when `size` is 0, [`VolumeError::TooLarge`] when the memory cannot be
     /// had, [`VolumeError::Parameter`] for a parameter outside its range.
     pub fn generate(&self, size: usize, params: &PhantomParams) -> Result<Volume, VolumeError> {
+        if params.phase.is_some() && !self.moves() {
+            return Err(VolumeError::Parameter {
+                name: "phase",
+                reason: format!("{self} does not move"),
+                remedy: "leave the phase out, or take beating-heart",
+            });
+        }
         match self {
             Phantom::Head => head::head(size),
             Phantom::Sphere => sphere::sphere(size, params),
@@ -90,6 +109,7 @@ impl Phantom {
             Phantom::Fog => signals::fog(size),
             Phantom::Engine => engine::engine(size),
             Phantom::Checker => signals::checker(size, params),
+            Phantom::BeatingHeart => beating_heart::beating_heart(size, params),
         }
     }
 }
@@ -107,7 +127,7 @@ impl FromStr for Phantom {
         Phantom::ALL.into_iter().find(|p| p.name() == name).ok_or_else(|| VolumeError::Parameter {
             name: "phantom",
             reason: format!("'{name}' is not known"),
-            remedy: "write head, sphere, marschner-lobb, shepp-logan, shells, fog, engine or checker",
+            remedy: "write head, sphere, marschner-lobb, shepp-logan, shells, fog, engine, checker or beating-heart",
         })
     }
 }
