@@ -1,5 +1,7 @@
 //! The Cube-3 machine put together, the experiments on it, and the `cube3` command.
 
+pub mod acquisition;
+pub mod animation;
 pub mod bench;
 pub mod command;
 pub mod fidelity;
@@ -12,3 +14,4 @@ pub mod output;
 pub mod problem;
 pub mod progress;
 pub mod run;
+pub mod sequence;

@@ -19,6 +19,7 @@ mod json;
 mod png;
 mod quantity;
 mod run_report;
+mod sequence;
 mod shares;
 mod table;
 
@@ -31,4 +32,5 @@ pub use run_report::{
     ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, PlanReport, Program, RunReport, SCHEMA,
     TimingCounts, TimingReport, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport,
 };
+pub use sequence::{AcquisitionReport, FrameReport, SequenceReport};
 pub use table::table;
