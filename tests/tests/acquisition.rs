@@ -158,9 +158,13 @@ proptest! {
             .map(|sight| { assert!(!sight.mixture().is_torn()); sight.mixture().oldest })
             .collect();
         prop_assert_eq!(shown[0], 0);
-        prop_assert!(shown.windows(2).all(|pair| pair[1] == pair[0] || pair[1] == pair[0] + 1));
-        if part >= 1.0 && !overlap {
-            prop_assert_eq!(shown, [0, 1, 2, 3, 4, 5], "a port as fast as the reads keeps pace");
+        prop_assert!(shown.is_sorted());
+        if overlap {
+            // The next frame is at the modules in the cycle behind the last beam: time for one change of roles.
+            prop_assert!(shown.windows(2).all(|pair| pair[1] <= pair[0] + 1), "{:?}", shown);
+        }
+        if part >= 1.0 {
+            prop_assert!((0..).zip(&shown).all(|(frame, &volume)| volume >= frame), "a port as fast as the reads keeps pace: {:?}", shown);
         }
     }
 }
