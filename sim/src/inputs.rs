@@ -64,10 +64,17 @@ pub fn data(source: &VolumeSource, options: &ReadOptions) -> Outcome<(String, Vo
     if let Some(path) = &source.file {
         return Ok((path.display().to_string(), cube3_volume::read(path, options)?));
     }
+    if let [first, ..] = source.files.as_slice() {
+        let (count, first) = (source.files.len(), first.display());
+        return Err(Problem::new(format!(
+            "{first} is the first of a series of {count} volumes; give --frames N too, or a single volume"
+        )));
+    }
     let default = Scene::default().volume;
     let name = source.phantom.clone().or(default.phantom).unwrap_or_default();
     let size = source.size_voxels.or(default.size_voxels).unwrap_or(128);
-    let volume = name.parse::<Phantom>()?.generate(size, &PhantomParams::default())?;
+    let params = PhantomParams { phase: source.phase, ..PhantomParams::default() };
+    let volume = name.parse::<Phantom>()?.generate(size, &params)?;
     Ok((format!("phantom {name}, {size} voxels a side"), volume))
 }
 
@@ -78,8 +85,22 @@ pub fn data(source: &VolumeSource, options: &ReadOptions) -> Outcome<(String, Vo
 pub fn volume(scene: &Scene, machine: &MachineSpec, options: &ReadOptions, mask: bool) -> Outcome<LoadedVolume> {
     let _waiting = Waiting::new("volume");
     let (source, data) = data(&scene.volume, options)?;
+    to_words(source, data, scene.volume.window, machine, mask)
+}
+
+/// Converts data to a machine's voxel words; the window is that of the data where none is given.
+///
+/// # Errors
+/// Values that are not finite where `mask` is not set.
+pub fn to_words(
+    source: String,
+    data: Volume,
+    window: Option<[f64; 2]>,
+    machine: &MachineSpec,
+    mask: bool,
+) -> Outcome<LoadedVolume> {
     let conversion = WordConversion {
-        window: scene.volume.window,
+        window,
         rounding: match machine.words.rounding {
             Rounding::Nearest => WordRounding::Nearest,
             Rounding::Truncate => WordRounding::Truncate,

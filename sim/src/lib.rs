@@ -1,5 +1,7 @@
 //! The Cube-3 machine put together, the experiments on it, and the `cube3` command.
 
+pub mod acquisition;
+pub mod animation;
 pub mod bench;
 pub mod checkpoint;
 pub mod clocked;
@@ -16,5 +18,6 @@ pub mod problem;
 pub mod progress;
 pub mod resources;
 pub mod run;
+pub mod sequence;
 pub mod topology;
 pub mod trace;

@@ -10,7 +10,7 @@ use crate::trace::{Move, Observe, Token, TokenKind, Unobserved};
 use cube3_abc::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, Shader};
 use cube3_cfb::golden::Skew;
 use cube3_cfb::memory::Modules;
-use cube3_cfb::{Beam, CfbSpec, CfbUnit, Fetch, FrameBuffer, FrameBufferError, NoVoxels};
+use cube3_cfb::{AcquisitionPort, Beam, CfbSpec, CfbUnit, Fetch, FrameBuffer, FrameBufferError, NoVoxels, PortSpec};
 use cube3_channel::{
     Account, Activity, Archive, ArchiveError, Archived, Channel, ChannelCounters, ChannelError, Deadlock, PortState,
     Wait, diagnose,
@@ -18,7 +18,7 @@ use cube3_channel::{
 use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelGroup, Reduce, Reducer};
 use cube3_dsb::bus::{Align, BusUnit, NoBus};
 use cube3_dsb::{DsbSpec, DsbUnit, NoPlanes, PlaneStore, RayPair, Rotator, Store};
-use cube3_host::{BasePlane, ChannelSize, FrameSetup, MachineSpec};
+use cube3_host::{AcquisitionMode, BasePlane, ChannelSize, FrameSetup, MachineSpec};
 use cube3_trilin::{Interpolate, Interpolator, NoSamples, SampleRay, TrilinSpec, TrilinUnit};
 
 /// Units of a machine, a unit with two ports counted twice.
@@ -215,6 +215,12 @@ impl Machine<Cycle> {
         Ok(Machine::assemble(machine, frames, memory, Rotator { lanes }, Reducer::default(), parts)?)
     }
 
+    /// Lets these volumes of voxel words (x fastest) come in through a port while frames are read.
+    pub fn acquire_volumes(&mut self, port: PortSpec, volumes: Vec<Vec<u16>>) {
+        self.cfb.memory_mut().receive(volumes, port.mode == AcquisitionMode::DoubleBuffer);
+        self.acquire(port);
+    }
+
     /// Words that were saturated, by wire, over all frames.
     pub fn overflows(&self) -> Overflows {
         let shading = self.abc.arithmetic().map(Shader::overflows).sum();
@@ -312,6 +318,16 @@ impl<F: Fidelity> Machine<F> {
             overlap: machine.frames.overlap,
             frames,
         })
+    }
+
+    /// Lets volumes come in through a port while frames are read.
+    pub fn acquire(&mut self, port: PortSpec) {
+        self.cfb.acquire(port);
+    }
+
+    /// The port that volumes come in through, where there is one.
+    pub fn port(&self) -> Option<&AcquisitionPort> {
+        self.cfb.port()
     }
 
     /// One cycle. Every unit ticks, each with the channels at its ends; then every channel commits. What each unit did, in the

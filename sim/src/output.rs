@@ -1,12 +1,21 @@
 //! Files of a run. They are all made before the first is written, and each appears whole or not at all.
 
+use crate::animation::Animation;
 use crate::problem::{Outcome, Problem};
 use crate::run::RunResult;
+use crate::sequence::Shown;
 use cube3_host::MachineSpec;
 use cube3_metrics::Picture;
 use cube3_report::{Figure, html, png_rgb8, to_json, to_rgb8};
 use cube3_scene::Scene;
-use std::path::Path;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+/// The animation's file.
+const ANIMATION: &str = "animation.png";
+/// The folder of a sequence's frames.
+const FRAMES: &str = "frames";
 
 /// Writes report, pictures, and the resolved scene and machine into a folder, which is made if it is not there. Pictures that
 /// an earlier run left there and this one did not make are removed.
@@ -43,9 +52,6 @@ pub fn write_run(folder: &Path, result: &RunResult, scene: &Scene, machine: &Mac
     files.push(("report.json", to_json(&result.report)?.into_bytes()));
     files.push(("scene.toml", scene.to_toml()?.into_bytes()));
     files.push(("machine.toml", machine.to_toml().into_bytes()));
-    let failed = |path: &Path, error: std::io::Error| {
-        Problem::new(format!("{}: {error}; give another folder with --out", path.display()))
-    };
     std::fs::create_dir_all(folder).map_err(|error| failed(folder, error))?;
     let mut written = Vec::new();
     for (name, bytes) in &files {
@@ -59,6 +65,10 @@ pub fn write_run(folder: &Path, result: &RunResult, scene: &Scene, machine: &Mac
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(failed(&path, error)),
             _ => {}
         }
+    }
+    if result.report.sequence.is_none() {
+        remove_frames(folder, 0)?;
+        remove(&folder.join(ANIMATION))?;
     }
     Ok(written)
 }
@@ -78,6 +88,115 @@ fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let name = path.file_name().ok_or_else(|| std::io::Error::other("this is no name for a file"))?;
     let part = path.with_file_name(format!(".{}.part", name.to_string_lossy()));
     std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path))
+}
+
+fn failed(path: &Path, error: std::io::Error) -> Problem {
+    Problem::new(format!("{}: {error}; give another folder with --out", path.display()))
+}
+
+/// Removes a file, if it is there.
+fn remove(path: &Path) -> Outcome<()> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(failed(path, error)),
+        _ => Ok(()),
+    }
+}
+
+fn frame_name(frame: usize) -> String {
+    format!("frame_{frame:04}.png")
+}
+
+/// Removes the frames of an earlier sequence from number `from` on, and their folder once nothing is in it.
+fn remove_frames(folder: &Path, from: usize) -> Outcome<()> {
+    let frames = folder.join(FRAMES);
+    let Ok(entries) = std::fs::read_dir(&frames) else {
+        return Ok(());
+    };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let number = name.to_str().and_then(|name| name.strip_prefix("frame_")?.strip_suffix(".png")?.parse().ok());
+        if number.is_some_and(|number: usize| number >= from) {
+            remove(&entry.path())?;
+        }
+    }
+    match std::fs::remove_dir(&frames) {
+        Err(error) if !matches!(error.kind(), std::io::ErrorKind::DirectoryNotEmpty | std::io::ErrorKind::NotFound) => {
+            Err(failed(&frames, error))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Frames and animation of a sequence. They are written beside their places as they are made, and put there when all are.
+pub struct SequenceFiles {
+    folder: PathBuf,
+    part: PathBuf,
+    count: usize,
+    made: usize,
+    animation: Option<Animation<BufWriter<File>>>,
+}
+
+impl SequenceFiles {
+    /// Room for `count` frames in a folder, which is made if it is not there.
+    ///
+    /// # Errors
+    /// A folder that cannot be made.
+    pub fn new(folder: &Path, count: usize) -> Outcome<SequenceFiles> {
+        let part = folder.join(".frames.part");
+        std::fs::create_dir_all(&part).map_err(|error| failed(&part, error))?;
+        Ok(SequenceFiles { folder: folder.to_owned(), part, count, made: 0, animation: None })
+    }
+
+    /// Writes the next frame.
+    ///
+    /// # Errors
+    /// What cannot be written, with its path.
+    pub fn push(&mut self, shown: &Shown<'_>) -> Outcome<()> {
+        let picture = shown.picture;
+        let rgb = to_rgb8(picture);
+        let path = self.part.join(frame_name(shown.frame));
+        let png = png_rgb8(picture.width, picture.height, &rgb)?;
+        std::fs::write(&path, png).map_err(|error| failed(&path, error))?;
+        self.made += 1;
+        let animation = match &mut self.animation {
+            Some(animation) => animation,
+            none => {
+                let path = self.part.join(ANIMATION);
+                let file = BufWriter::new(File::create(&path).map_err(|error| failed(&path, error))?);
+                none.insert(Animation::new(file, picture.width, picture.height, self.count, shown.playback_fps)?)
+            }
+        };
+        Ok(animation.push(&rgb)?)
+    }
+
+    /// Puts frames and animation into their places; those of an earlier sequence that this one did not make are removed.
+    ///
+    /// # Errors
+    /// What cannot be written, with its path.
+    pub fn finish(mut self) -> Outcome<Vec<String>> {
+        let Some(animation) = self.animation.take() else {
+            remove(&self.folder.join(ANIMATION))?;
+            remove_frames(&self.folder, 0)?;
+            return Ok(Vec::new());
+        };
+        animation.finish()?;
+        let frames = self.folder.join(FRAMES);
+        std::fs::create_dir_all(&frames).map_err(|error| failed(&frames, error))?;
+        let names = (0..self.made).map(|frame| (frame_name(frame), frames.join(frame_name(frame))));
+        let animation = self.folder.join(ANIMATION);
+        for (name, to) in names.chain([(ANIMATION.to_owned(), animation.clone())]) {
+            std::fs::rename(self.part.join(name), &to).map_err(|error| failed(&to, error))?;
+        }
+        remove_frames(&self.folder, self.made)?;
+        Ok(vec![format!("{} ({} frames)", frames.display(), self.made), animation.display().to_string()])
+    }
+}
+
+impl Drop for SequenceFiles {
+    /// Nothing half-made stays; what cannot be removed does no harm.
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.part);
+    }
 }
 
 fn png(picture: &Picture) -> Outcome<Vec<u8>> {

@@ -16,8 +16,8 @@ use cube3_host::{BasePlane, Frame, ImagePlane, MachineSpec, RaySlots, TemplateRu
 use cube3_metrics::{Picture, compare, difference, footprint, suggested_factor};
 use cube3_raycast::{DiscreteOptions, ImageOrderOptions, image_order, sheared, true_3d};
 use cube3_report::{
-    ChannelReport, DigestReport, ErrorReport, LeftOut, PlanReport, Program, RunReport, SCHEMA, TimingCounts,
-    UnitReport, ViewReport, VolumeReport, WallReport, WordsReport, sha256_hex,
+    ChannelReport, DigestReport, ErrorReport, LeftOut, PlanReport, Program, RunReport, SCHEMA, SequenceReport,
+    TimingCounts, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport, sha256_hex,
 };
 use cube3_scene::Scene;
 use std::collections::BTreeMap;
@@ -121,15 +121,15 @@ pub struct RunResult {
 
 /// What the machine has given: counters, base plane, saturated words, and the seconds each run took.
 #[derive(Default)]
-struct MachineRun {
-    counters: Option<RunCounters>,
-    base: Option<BasePlane>,
-    overflows: Overflows,
-    timing_s: Option<f64>,
-    function_s: Option<f64>,
-    cycle_s: Option<f64>,
+pub(crate) struct MachineRun {
+    pub(crate) counters: Option<RunCounters>,
+    pub(crate) base: Option<BasePlane>,
+    pub(crate) overflows: Overflows,
+    pub(crate) timing_s: Option<f64>,
+    pub(crate) function_s: Option<f64>,
+    pub(crate) cycle_s: Option<f64>,
     /// What the stops of the clocked run have to tell.
-    told: Vec<String>,
+    pub(crate) told: Vec<String>,
 }
 
 /// Runs a frame.
@@ -159,87 +159,121 @@ pub fn run_frame_with(
     let total = Progress::new("total");
     let frame = frame_setup(scene, machine, &volume.info(), options.plan)?;
     let run = run_machine(&frame, machine, volume, options, stops)?;
-    let plane = ImagePlane::new(scene, &frame.view, volume.words.dims, volume.words.spacing);
     let mut pictures = Pictures::default();
     let mut digest = DigestReport::default();
     if let Some(base) = &run.base {
-        let geometry = &frame.setup.geometry;
-        let image = warp(base, geometry, &plane, volume.words.spacing, scene.background);
-        let image = Picture::new(plane.width, plane.height, image)?;
-        digest.base_plane = Some(sha256_hex(&bytes(base)));
-        digest.image = Some(sha256_hex(&cube3_report::to_rgb8(&image)));
-        pictures.base_plane = Some(Picture::new(base.width, base.height, base.over(scene.background))?);
-        pictures.image = Some(image);
+        (pictures, digest) = show(base, &frame, scene, volume)?;
     }
     let (error, reference_s) = match options.reference {
         Reference::None => (None, None),
         _ if pictures.image.is_none() => (None, None),
         reference => {
             let progress = Progress::new("reference");
-            let picture = reference_picture(reference, scene, machine, volume, &frame, &plane, &progress)?;
+            let picture = reference_picture(reference, scene, machine, volume, &frame, &progress)?;
             let seconds = progress.finish();
             let error = measure(reference, scene, &frame, volume, picture, &mut pictures)?;
             (Some(error), Some(seconds))
         }
     };
     let samples = frame.setup.geometry.sample_count();
-    let (limits, resources) = match &run.counters {
-        Some(counters) => {
-            let passes = std::slice::from_ref(&frame.setup);
-            let interval = limits::frame_interval(machine, passes)?;
-            let resources = resources(machine, volume.words.dims, passes, counters, interval);
-            (Some(limits::limits(machine, passes, interval)?), Some(resources))
-        }
-        None => (None, None),
-    };
-    let image_s = run.function_s.or(run.cycle_s);
-    let report = RunReport {
-        schema: SCHEMA,
-        program: Program { name: "cube3".into(), version: env!("CARGO_PKG_VERSION").into() },
-        fidelity: options.runs.name().into(),
-        seed: options.seed,
-        scene: serde_json::to_value(scene)?,
-        machine: serde_json::to_value(machine)?,
-        volume: VolumeReport {
-            source: volume.source.clone(),
-            dims: volume.words.dims,
-            spacing: volume.words.spacing,
-            conversion: volume.conversion.to_string().into(),
-        },
-        view: view_report(&frame),
-        plan: PlanReport { enabled: options.plan, left_out: left_out(&frame) },
-        timing: run.counters.as_ref().map(|counters| {
-            TimingCounts {
-                cycles: counters.cycles,
-                clock_hz: machine.clock_hz,
-                beams: counters.beams,
-                samples,
-                ray_slots: counters.ray_slots,
-                fill_cycles: counters.cycles - counters.steady_cycles,
-            }
-            .into()
-        }),
-        limits,
-        resources,
-        units: run.counters.as_ref().map_or_else(Vec::new, unit_reports),
-        channels: run.counters.as_ref().map_or_else(Vec::new, channel_reports),
-        words: words_report(&run, volume),
-        error,
-        digest,
-        wall: WallReport {
-            timing_s: run.timing_s,
-            function_s: run.function_s,
-            cycle_s: run.cycle_s,
-            reference_s,
-            total_s: Some(total.finish()),
-            samples_per_s: image_s.filter(|s| *s > 0.0).map(|seconds| samples as f64 / seconds),
-            threads: Some(rayon::current_num_threads()),
-        },
-    };
-    report.check()?;
+    let wall = WallReport { reference_s, total_s: Some(total.finish()), ..run.wall(samples) };
+    let asked = Asked { scene, machine, volume, options };
+    let found = Found { frames: 1, samples, error, digest, wall, sequence: None };
+    let report = asked.report(&frame, &run, found)?;
     let mut told = run.told;
     told.extend(notes(scene, volume, run.base.as_ref(), samples));
     Ok(RunResult { report, pictures, notes: told, counters: run.counters })
+}
+
+/// What was asked for.
+pub(crate) struct Asked<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) machine: &'a MachineSpec,
+    pub(crate) volume: &'a LoadedVolume,
+    pub(crate) options: &'a RunOptions,
+}
+
+/// What was found out beside the machine's own counters.
+pub(crate) struct Found {
+    pub(crate) frames: u64,
+    pub(crate) samples: u64,
+    pub(crate) error: Option<ErrorReport>,
+    pub(crate) digest: DigestReport,
+    pub(crate) wall: WallReport,
+    pub(crate) sequence: Option<SequenceReport>,
+}
+
+impl Asked<'_> {
+    /// The report of a run whose first frame is `frame`, checked.
+    pub(crate) fn report(&self, frame: &Frame, run: &MachineRun, found: Found) -> Outcome<RunReport> {
+        let &Asked { scene, machine, volume, options } = self;
+        let (limits, resources) = match &run.counters {
+            Some(counters) if found.sequence.is_none() => {
+                let passes = std::slice::from_ref(&frame.setup);
+                let interval = limits::frame_interval(machine, passes)?;
+                let resources = resources(machine, volume.words.dims, passes, counters, interval);
+                (Some(limits::limits(machine, passes, interval)?), Some(resources))
+            }
+            _ => (None, None),
+        };
+        let report = RunReport {
+            schema: SCHEMA,
+            program: Program { name: "cube3".into(), version: env!("CARGO_PKG_VERSION").into() },
+            fidelity: options.runs.name().into(),
+            seed: options.seed,
+            scene: serde_json::to_value(scene)?,
+            machine: serde_json::to_value(machine)?,
+            volume: VolumeReport {
+                source: volume.source.clone(),
+                dims: volume.words.dims,
+                spacing: volume.words.spacing,
+                conversion: volume.conversion.to_string().into(),
+            },
+            view: view_report(frame),
+            plan: PlanReport { enabled: options.plan, left_out: left_out(frame) },
+            timing: run.counters.as_ref().map(|counters| {
+                TimingCounts {
+                    frames: found.frames,
+                    cycles: counters.cycles,
+                    clock_hz: machine.clock_hz,
+                    beams: counters.beams,
+                    samples: found.samples,
+                    ray_slots: counters.ray_slots,
+                    fill_cycles: counters.cycles - counters.steady_cycles,
+                }
+                .into()
+            }),
+            limits,
+            resources,
+            units: run.counters.as_ref().map_or_else(Vec::new, unit_reports),
+            channels: run.counters.as_ref().map_or_else(Vec::new, channel_reports),
+            words: words_report(run, volume),
+            error: found.error,
+            digest: found.digest,
+            wall: found.wall,
+            sequence: found.sequence,
+        };
+        report.check()?;
+        Ok(report)
+    }
+}
+
+/// The picture and the base plane over the background, and their digests.
+pub(crate) fn show(
+    base: &BasePlane,
+    frame: &Frame,
+    scene: &Scene,
+    volume: &LoadedVolume,
+) -> Outcome<(Pictures, DigestReport)> {
+    let plane = ImagePlane::new(scene, &frame.view, volume.words.dims, volume.words.spacing);
+    let image = warp(base, &frame.setup.geometry, &plane, volume.words.spacing, scene.background);
+    let image = Picture::new(plane.width, plane.height, image)?;
+    let digest = DigestReport {
+        base_plane: Some(sha256_hex(&bytes(base))),
+        image: Some(sha256_hex(&cube3_report::to_rgb8(&image))),
+    };
+    let base_plane = Some(Picture::new(base.width, base.height, base.over(scene.background))?);
+    Ok((Pictures { image: Some(image), base_plane, ..Pictures::default() }, digest))
 }
 
 fn run_machine(
@@ -259,14 +293,14 @@ fn run_machine(
         Runs::Both => {
             let (timing, function) = std::thread::scope(|scope| {
                 let timing = scope.spawn(|| timing(frame, machine, volume, stops));
-                let function = function(frame, volume, options.plan);
+                let function = function(frame, volume.words.dims, &volume.words.words, options.plan);
                 (timing.join(), function)
             });
             run.take_timing(timing.map_err(|_| Problem::new("the timing run stopped unexpectedly"))??);
             run.take_function(function);
         }
         Runs::Timing => run.take_timing(timing(frame, machine, volume, stops)?),
-        Runs::Function => run.take_function(function(frame, volume, options.plan)),
+        Runs::Function => run.take_function(function(frame, volume.words.dims, &volume.words.words, options.plan)),
         Runs::Cycle => {
             let progress = Progress::new("cycle");
             let words = &volume.words;
@@ -287,6 +321,19 @@ impl MachineRun {
         self.counters = Some(counters);
         self.timing_s = Some(seconds);
         self.told = told;
+    }
+
+    /// The seconds that the machine's runs took, which gave so many samples.
+    pub(crate) fn wall(&self, samples: u64) -> WallReport {
+        let image_s = self.function_s.or(self.cycle_s);
+        WallReport {
+            timing_s: self.timing_s,
+            function_s: self.function_s,
+            cycle_s: self.cycle_s,
+            samples_per_s: image_s.filter(|s| *s > 0.0).map(|seconds| samples as f64 / seconds),
+            threads: Some(rayon::current_num_threads()),
+            ..WallReport::default()
+        }
     }
 
     fn take_function(&mut self, (run, seconds): (FunctionRun, f64)) {
@@ -321,15 +368,16 @@ fn clocked<F: Fidelity>(
     run_clocked(run, stops, machine.clock_hz, identity, &|done, all| progress.set(done, all))
 }
 
-fn function(frame: &Frame, volume: &LoadedVolume, skip: bool) -> (FunctionRun, f64) {
+/// Renders a volume of voxel words, x fastest; also the seconds.
+pub(crate) fn function(frame: &Frame, dims: [usize; 3], words: &[u16], skip: bool) -> (FunctionRun, f64) {
     let progress = Progress::new("function");
-    let turned = CanonicalVolume::new(&frame.setup.geometry.axes, volume.words.dims, &volume.words.words);
+    let turned = CanonicalVolume::new(&frame.setup.geometry.axes, dims, words);
     let run = render(&frame.setup, &turned, skip, &|done, all| progress.set(done, all));
     (run, progress.finish())
 }
 
 /// Why a picture is empty, where it is.
-fn notes(scene: &Scene, volume: &LoadedVolume, base: Option<&BasePlane>, samples: u64) -> Vec<String> {
+pub(crate) fn notes(scene: &Scene, volume: &LoadedVolume, base: Option<&BasePlane>, samples: u64) -> Vec<String> {
     if base.is_none_or(|base| base.pixels.iter().any(|pixel| pixel[3] > 0)) {
         return Vec::new();
     }
@@ -354,15 +402,16 @@ fn bytes(base: &BasePlane) -> Vec<u8> {
     base.pixels.iter().flatten().flat_map(|word| word.to_le_bytes()).collect()
 }
 
-fn reference_picture(
+/// The reference of a volume in a frame.
+pub(crate) fn reference_picture(
     reference: Reference,
     scene: &Scene,
     machine: &MachineSpec,
     volume: &LoadedVolume,
     frame: &Frame,
-    plane: &ImagePlane,
     progress: &Progress,
 ) -> Outcome<Picture> {
+    let plane = ImagePlane::new(scene, &frame.view, volume.words.dims, volume.words.spacing);
     let border = volume.words.window[0];
     let geometry = &frame.setup.geometry;
     let rows = match reference {
@@ -380,11 +429,12 @@ fn reference_picture(
             return Ok(Picture::new(rendering.width, rendering.height, rendering.pixels)?);
         }
     };
-    let pixels = base.warp(geometry, plane, volume.data.spacing, scene.background);
+    let pixels = base.warp(geometry, &plane, volume.data.spacing, scene.background);
     Ok(Picture::new(plane.width, plane.height, pixels)?)
 }
 
-fn measure(
+/// The picture against its reference; both and their difference are then among the pictures.
+pub(crate) fn measure(
     reference: Reference,
     scene: &Scene,
     frame: &Frame,

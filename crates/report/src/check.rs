@@ -30,7 +30,8 @@ impl RunReport {
         if let Some(resources) = &self.resources {
             resources.check()?;
         }
-        self.channels.iter().try_for_each(ChannelReport::check)
+        self.channels.iter().try_for_each(ChannelReport::check)?;
+        self.sequence.as_ref().map_or(Ok(()), |sequence| sequence.check(self))
     }
 
     /// Checks that every number is finite.
@@ -71,6 +72,9 @@ impl RunReport {
             finite_error("error.footprint", &error.footprint.error)?;
             finite("error.gradient_mean_deg", error.gradient_mean_deg.unwrap_or(0.0))?;
             finite("error.difference_factor", error.difference_factor)?;
+        }
+        for (key, value) in self.sequence.iter().flat_map(|sequence| sequence.numbers()) {
+            finite(key, value)?;
         }
         let wall = &self.wall;
         for (key, value) in [

@@ -12,7 +12,7 @@ use crate::quantity::{count, number, percentage, prefixed};
 use crate::shares::percent;
 use crate::{
     ChannelReport, DigestReport, ErrorReport, LimitsReport, OperatorsReport, PlanReport, ResourcesReport, RunReport,
-    TimingReport, UnitReport,
+    SequenceReport, TimingReport, UnitReport,
 };
 
 const STYLE: &str = include_str!("page.css");
@@ -59,6 +59,7 @@ pub fn html(report: &RunReport, figures: &[Figure]) -> String {
                 }
                 main {
                     (pictures(figures))
+                    (sequence(report.sequence.as_ref()))
                     (limits(report.limits.as_ref()))
                     (units(&report.units, report.timing.as_ref()))
                     (errors(report.error.as_ref()))
@@ -133,6 +134,37 @@ fn picture(figure: &Figure) -> Markup {
                 @if let Some([width, height]) = size { " " span.size { (width) " × " (height) } }
                 br;
                 (figure.caption)
+            }
+        }
+    }
+}
+
+fn sequence(sequence: Option<&SequenceReport>) -> Markup {
+    html! {
+        @if let Some(sequence) = sequence {
+            section {
+                h2 { "Sequence" }
+                (listed(&sequence.facts()))
+                table {
+                    thead {
+                        tr {
+                            th { "frame" } th { "cycles" } th { "volume" } th { "newer voxels" } th { "mixed beams" }
+                            th { "mean relative error" }
+                        }
+                    }
+                    tbody {
+                        @for (index, frame) in sequence.frames.iter().enumerate() {
+                            tr {
+                                td { (index) }
+                                td { (frame.cycles.map_or_else(String::new, count)) }
+                                td { (frame.volume) @if frame.torn { " to " (frame.newest_volume) } }
+                                td { @if frame.torn { (percentage(frame.newer_fraction)) } }
+                                td { @if frame.torn { (count(frame.mixed_beams)) } }
+                                td { (frame.error.as_ref().map_or_else(String::new, |e| percentage(e.mean_relative))) }
+                            }
+                        }
+                    }
+                }
             }
         }
     }

@@ -20,6 +20,7 @@ mod png;
 mod quantity;
 mod resources_report;
 mod run_report;
+mod sequence;
 mod shares;
 mod table;
 
@@ -36,4 +37,5 @@ pub use run_report::{
     ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, PlanReport, Program, RunReport, SCHEMA,
     TimingCounts, TimingReport, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport,
 };
+pub use sequence::{AcquisitionReport, FrameReport, SequenceReport};
 pub use table::table;

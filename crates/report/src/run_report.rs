@@ -6,7 +6,7 @@ use cube3_metrics::{ImageComparison, ImageError};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::{LimitsReport, ResourcesReport};
+use crate::{LimitsReport, ResourcesReport, SequenceReport};
 
 /// The number of the present layout. It rises when a key changes its meaning or goes away.
 pub const SCHEMA: u32 = 1;
@@ -55,6 +55,10 @@ pub struct RunReport {
     pub digest: DigestReport,
     /// How long the simulation took on this computer.
     pub wall: WallReport,
+    /// Frame by frame, where a sequence was run. View, plan, error and digests above are then those of the first frame,
+    /// and timing, units and channels those of all frames together.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sequence: Option<SequenceReport>,
 }
 
 impl RunReport {
@@ -126,16 +130,19 @@ pub struct LeftOut {
 /// The machine's time, at the machine's clock.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct TimingReport {
+    /// Frames that were run one behind another.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub frames: u64,
     /// Cycles from the first fetch to the last pixel.
     pub cycles: u64,
     /// Clock rate in hertz.
     pub clock_hz: f64,
-    /// `cycles / clock_hz`, in seconds.
+    /// `cycles / frames / clock_hz`, in seconds.
     pub frame_time_s: f64,
     /// Frames per second one after another: `1 / frame_time_s`.
     pub fps: f64,
     /// Upper bound of the frames per second when the next frame enters behind the last beam of this one, so that no
-    /// frame but the first pays for filling the pipeline, and no port stalls: `clock_hz / (cycles − fill_cycles)`.
+    /// frame but the first pays for filling the pipeline, and no port stalls: `clock_hz · frames / (cycles − fill_cycles)`.
     pub fps_sustained: f64,
     /// Beams fetched from the cubic frame buffer.
     pub beams: u64,
@@ -143,7 +150,7 @@ pub struct TimingReport {
     pub samples: u64,
     /// Ray slots, used or not, that went through the pipelines.
     pub ray_slots: u64,
-    /// `samples / frame_time_s`, in samples per second.
+    /// `samples · clock_hz / cycles`, in samples per second.
     pub samples_per_s: f64,
     /// Cycles of the frame beyond those that the busier of its two sides, beams in or rays out, needs for its tokens.
     pub fill_cycles: u64,
@@ -152,6 +159,8 @@ pub struct TimingReport {
 /// What a timing run counted. Everything else in [`TimingReport`] follows from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimingCounts {
+    /// Frames that were run one behind another.
+    pub frames: u64,
     /// Cycles from the first fetch to the last pixel.
     pub cycles: u64,
     /// Clock rate in hertz.
@@ -169,16 +178,18 @@ pub struct TimingCounts {
 impl From<TimingCounts> for TimingReport {
     /// Derives times and rates. A rate over no time at all is 0, not infinite.
     fn from(counts: TimingCounts) -> Self {
-        let TimingCounts { cycles, clock_hz, beams, samples, ray_slots, fill_cycles } = counts;
+        let TimingCounts { frames, cycles, clock_hz, beams, samples, ray_slots, fill_cycles } = counts;
+        let each = frames.max(1) as f64;
         let per_s = |amount: f64, cycles: u64| {
             if cycles == 0 { 0.0 } else { amount * clock_hz / cycles as f64 }
         };
         Self {
+            frames,
             cycles,
             clock_hz,
-            frame_time_s: cycles as f64 / clock_hz,
-            fps: per_s(1.0, cycles),
-            fps_sustained: per_s(1.0, cycles.saturating_sub(fill_cycles)),
+            frame_time_s: cycles as f64 / clock_hz / each,
+            fps: per_s(each, cycles),
+            fps_sustained: per_s(each, cycles.saturating_sub(fill_cycles)),
             beams,
             samples,
             ray_slots,
@@ -191,9 +202,17 @@ impl From<TimingCounts> for TimingReport {
 impl TimingReport {
     /// What was counted, without what follows from it.
     pub fn counts(&self) -> TimingCounts {
-        let &Self { cycles, clock_hz, beams, samples, ray_slots, fill_cycles, .. } = self;
-        TimingCounts { cycles, clock_hz, beams, samples, ray_slots, fill_cycles }
+        let &Self { frames, cycles, clock_hz, beams, samples, ray_slots, fill_cycles, .. } = self;
+        TimingCounts { frames, cycles, clock_hz, beams, samples, ray_slots, fill_cycles }
     }
+}
+
+fn one() -> u64 {
+    1
+}
+
+fn is_one(frames: &u64) -> bool {
+    *frames == 1
 }
 
 /// What one unit did with its cycles. The four kinds add up to the cycles of the run.

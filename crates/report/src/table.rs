@@ -28,6 +28,9 @@ pub fn table(report: &RunReport) -> String {
         }
         None => section("Throughput", "  not measured: no clock ran".into()),
     }
+    if let Some(sequence) = &report.sequence {
+        section("Sequence", listed(sequence.facts()));
+    }
     if !report.units.is_empty() {
         section("Unit cycles", units(&report.units));
     }

@@ -89,6 +89,7 @@ fn a_stopped_clock_is_found() {
 #[test]
 fn cube_3_at_125_ns_gives_its_thirty_frames() {
     let timing: TimingReport = TimingCounts {
+        frames: 1,
         cycles: 512 * 512,
         clock_hz: 8e6,
         beams: 512 * 512,
@@ -110,7 +111,7 @@ proptest! {
         let mut report = sample::report();
         report.units.clear();
         let counts =
-            TimingCounts { cycles, clock_hz, beams: 1, samples, ray_slots: 1, fill_cycles };
+            TimingCounts { frames: 1, cycles, clock_hz, beams: 1, samples, ray_slots: 1, fill_cycles };
         report.timing = Some(counts.into());
         prop_assert!(report.check().is_ok());
     }

@@ -19,7 +19,7 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// One frame: picture, throughput, stalls, error.
+    /// One frame or a sequence: picture, throughput, stalls, error.
     Run(Box<run::RunArguments>),
     /// Look at, convert and make volumes.
     Volume(volume::VolumeArguments),

@@ -1,18 +1,19 @@
-//! `cube3 run`: one frame on the machine.
+//! `cube3 run`: one frame on the machine, or a sequence of frames.
 
 use super::{RawArguments, on_threads, three};
 use crate::checkpoint;
 use crate::clocked::{Stops, TraceRequest};
-use crate::inputs;
-use crate::output::{write_run, write_whole};
+use crate::inputs::{self, LoadedVolume};
+use crate::output::{SequenceFiles, write_run, write_whole};
 use crate::problem::{Outcome, Problem};
 use crate::run::{Reference, RunOptions, Runs, run_frame_with};
+use crate::sequence::{MOST_FRAMES, Series, Shown, run_sequence};
 use crate::topology::Drawing;
 use crate::trace::{Format, Window};
 use clap::{Args, Parser, ValueEnum};
-use cube3_host::{GradientMethod, MachineSpec, RaySlots, TemplateRule};
+use cube3_host::{AcquisitionMode, GradientMethod, MachineSpec, RaySlots, TemplateRule};
 use cube3_report::table;
-use cube3_scene::{Mode, Perspective, Scene, View};
+use cube3_scene::{Mode, Path, Perspective, Scene, View, VolumeSource};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -26,10 +27,11 @@ pub struct RunArguments {
     /// volumepro-500.
     #[arg(long, value_name = "FILE.toml|NAME", default_value = "cube3-128")]
     machine: String,
-    /// Volume: .nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd, or raw with --dims and --type.
-    #[arg(long, value_name = "FILE", conflicts_with = "phantom")]
-    volume: Option<PathBuf>,
-    /// Built-in volume: head, sphere, marschner-lobb, shepp-logan, shells, fog, engine or checker.
+    /// Volume: .nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd, or raw with --dims and --type. Several are a series in the order of time,
+    /// for --frames.
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with = "phantom")]
+    volume: Vec<PathBuf>,
+    /// Built-in volume: head, sphere, marschner-lobb, shepp-logan, shells, fog, engine, checker or beating-heart.
     #[arg(long, value_name = "NAME")]
     phantom: Option<String>,
     /// Voxels along each side of the phantom.
@@ -37,6 +39,24 @@ pub struct RunArguments {
     size: Option<usize>,
     #[command(flatten)]
     raw: RawArguments,
+    /// A sequence of so many frames: volumes come in through the acquisition port, the view follows its path.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_FRAMES as i64))]
+    frames: Option<u32>,
+    /// Turn of the eye about the vertical axis over all frames.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, requires = "frames")]
+    turntable: Option<f64>,
+    /// Phase of the first volume of a phantom that moves, in periods.
+    #[arg(long, value_name = "PERIODS", allow_negative_numbers = true)]
+    phase: Option<f64>,
+    /// From each volume of a phantom that moves to the next; one period over all frames without it.
+    #[arg(long, value_name = "PERIODS", allow_negative_numbers = true, requires = "frames")]
+    phase_per_frame: Option<f64>,
+    /// How volumes that come in share the memory modules with reads.
+    #[arg(long, value_enum)]
+    acquisition: Option<AcquisitionArgument>,
+    /// Voxel words that come in with a cycle.
+    #[arg(long, value_name = "WORDS")]
+    words_per_cycle: Option<f64>,
     /// How a ray becomes a pixel: composite, first-opaque, last-opaque, maximum, minimum or weighted-sum.
     #[arg(long)]
     mode: Option<Mode>,
@@ -83,7 +103,7 @@ pub struct RunArguments {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Trace of the cycles --from to --to: .fst for waveform viewers, .kanata for Konata, .json for Perfetto.
-    #[arg(long, value_name = "FILE", requires = "to")]
+    #[arg(long, value_name = "FILE", requires = "to", conflicts_with = "frames")]
     trace: Option<PathBuf>,
     /// First cycle of the trace.
     #[arg(long, value_name = "CYCLE", default_value_t = 0, requires = "trace")]
@@ -95,10 +115,10 @@ pub struct RunArguments {
     #[arg(long, value_name = "FILE")]
     topology: Option<PathBuf>,
     /// Save the clocked run at this cycle into the folder, as checkpoint.cube3, and go on.
-    #[arg(long, value_name = "CYCLE")]
+    #[arg(long, value_name = "CYCLE", conflicts_with = "frames")]
     checkpoint_at: Option<u64>,
     /// Go on from a saved run, with the same scene, machine, volume and fidelity.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "frames")]
     resume: Option<PathBuf>,
     /// Folder for report and pictures.
     #[arg(long, value_name = "DIR", default_value = "out")]
@@ -139,6 +159,13 @@ enum SlotsArgument {
 enum TemplateArgument {
     SampleFloor,
     PlaneFloor,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum AcquisitionArgument {
+    DualPort,
+    CycleStealing,
+    DoubleBuffer,
 }
 
 fn gradient(name: &str) -> Result<GradientMethod, String> {
@@ -200,24 +227,38 @@ impl RunArguments {
             plan: !self.no_plan,
             seed: self.seed,
         };
-        let result = on_threads(self.threads, || {
-            let volume = inputs::volume(&scene, &machine, &read, self.mask_non_finite)?;
-            inputs::check_memory(&scene, &machine, volume.words.dims, options.runs == Runs::Cycle, &read)?;
-            print(&format!(
-                "{}: {} × {} × {}\n",
-                volume.source, volume.words.dims[0], volume.words.dims[1], volume.words.dims[2]
-            ))?;
-            print(&format!("{}\n", volume.conversion))?;
-            run_frame_with(&scene, &machine, &volume, &options, &stops)
+        let (result, files) = on_threads(self.threads, || {
+            let started = |volume: &LoadedVolume| {
+                let [x, y, z] = volume.words.dims;
+                inputs::check_memory(&scene, &machine, [x, y, z], options.runs == Runs::Cycle, &read)?;
+                print(&format!("{}: {x} × {y} × {z}\n{}\n", volume.source, volume.conversion))
+            };
+            let Some(frames) = self.frames.map(|frames| frames as usize) else {
+                let volume = inputs::volume(&scene, &machine, &read, self.mask_non_finite)?;
+                started(&volume)?;
+                return Ok((run_frame_with(&scene, &machine, &volume, &options, &stops)?, None));
+            };
+            let mut series = Series::open(&scene, &machine, &read, self.mask_non_finite, frames)?;
+            started(series.first())?;
+            let mut files = SequenceFiles::new(&self.out, frames)?;
+            let take = &mut |shown: Shown<'_>| files.push(&shown);
+            let result = run_sequence(&scene, &machine, &mut series, frames, &options, take)?;
+            Ok((result, Some(files)))
         })?;
         print(&table(&result.report))?;
         for note in &result.notes {
             print(&format!("\nnote: {note}\n"))?;
         }
+        if self.frames.is_none() && scene.path.is_some() {
+            print("\nnote: this is the scene's own view; --frames N goes along its path\n")?;
+        }
         let mut written = write_run(&self.out, &result, &scene, &machine)?;
         if let (Some(path), Some(drawing), Some(counters)) = (&self.topology, drawing, &result.counters) {
             write_whole(path, drawing.draw(counters).as_bytes())?;
             written.push(path.display().to_string());
+        }
+        if let Some(files) = files {
+            written.extend(files.finish()?);
         }
         print(&format!("wrote {}\n", written.join(" ")))
     }
@@ -260,22 +301,31 @@ impl RunArguments {
 
     fn scene(&self) -> Outcome<Scene> {
         let mut scene = inputs::scene(self.scene.as_deref())?;
-        if let Some(path) = &self.volume {
-            scene.volume.file = Some(path.clone());
-            scene.volume.phantom = None;
-            scene.volume.size_voxels = None;
+        if !self.volume.is_empty() {
+            let window = scene.volume.window;
+            let source = match self.volume.as_slice() {
+                [file] => VolumeSource::from_file(file),
+                files => VolumeSource::from_files(files.to_vec()),
+            };
+            scene.volume = VolumeSource { window, ..source };
         }
         if self.phantom.is_some() || self.size.is_some() {
-            let before = std::mem::take(&mut scene.volume.phantom);
-            if self.phantom.is_none() && scene.volume.file.is_some() {
+            if self.phantom.is_none() && scene.volume.phantom.is_none() {
                 return Err(Problem::new(
                     "--size is for phantoms, and the scene's volume is a file; give --phantom too, or leave --size out",
                 ));
             }
+            if self.phantom.is_some() && self.phantom != scene.volume.phantom {
+                (scene.volume.phase, scene.volume.phase_per_frame) = (None, None);
+            }
             scene.volume.file = None;
-            scene.volume.phantom = self.phantom.clone().or(before);
+            scene.volume.files = Vec::new();
+            scene.volume.phantom = self.phantom.clone().or(scene.volume.phantom);
             scene.volume.size_voxels = self.size.or(scene.volume.size_voxels);
         }
+        scene.volume.phase = self.phase.or(scene.volume.phase);
+        scene.volume.phase_per_frame = self.phase_per_frame.or(scene.volume.phase_per_frame);
+        scene.path = self.turntable.map(Path::turntable).or(scene.path);
         if self.yaw.is_some() || self.tilt.is_some() {
             scene.view.direction = None;
             scene.view.up = None;
@@ -311,6 +361,13 @@ impl RunArguments {
     fn machine(&self) -> Outcome<MachineSpec> {
         let mut machine = inputs::machine(&self.machine)?;
         machine.abc.gradient = self.gradient.unwrap_or(machine.abc.gradient);
+        machine.acquisition.mode = match self.acquisition {
+            Some(AcquisitionArgument::DualPort) => AcquisitionMode::DualPort,
+            Some(AcquisitionArgument::CycleStealing) => AcquisitionMode::CycleStealing,
+            Some(AcquisitionArgument::DoubleBuffer) => AcquisitionMode::DoubleBuffer,
+            None => machine.acquisition.mode,
+        };
+        machine.acquisition.words_per_cycle = self.words_per_cycle.unwrap_or(machine.acquisition.words_per_cycle);
         match self.slots {
             Some(SlotsArgument::Wrapped) => machine.rays.slots = RaySlots::Wrapped,
             Some(SlotsArgument::Padded) => machine.rays.slots = RaySlots::Padded,
@@ -321,6 +378,7 @@ impl RunArguments {
             Some(TemplateArgument::PlaneFloor) => machine.rays.template = TemplateRule::PlaneFloor,
             None => {}
         }
+        machine.check(&self.machine)?;
         Ok(machine)
     }
 }

@@ -52,7 +52,7 @@ enum VolumeCommand {
     },
     /// A volume from a closed form.
     Phantom {
-        /// head, sphere, marschner-lobb, shepp-logan, shells, fog, engine or checker.
+        /// head, sphere, marschner-lobb, shepp-logan, shells, fog, engine, checker or beating-heart.
         #[arg(default_value = "head")]
         name: String,
         /// Voxels along each side.
@@ -70,6 +70,9 @@ enum VolumeCommand {
         /// Period of the checker in voxels.
         #[arg(long)]
         period: Option<usize>,
+        /// Phase of the beating heart, in beats.
+        #[arg(long, allow_negative_numbers = true)]
+        phase: Option<f64>,
         /// The new file; NAME.nrrd without it.
         #[arg(long)]
         out: Option<PathBuf>,
@@ -104,8 +107,8 @@ impl VolumeArguments {
                 };
                 save(&to, &volume, uncompressed)
             }
-            VolumeCommand::Phantom { name, size, radius, ramp, centre, period, out } => {
-                let params = PhantomParams { radius, ramp, centre, period };
+            VolumeCommand::Phantom { name, size, radius, ramp, centre, period, phase, out } => {
+                let params = PhantomParams { radius, ramp, centre, period, phase };
                 let volume = name.parse::<Phantom>()?.generate(size, &params)?;
                 let out = out.unwrap_or_else(|| PathBuf::from(format!("{name}.nrrd")));
                 save(&out, &volume, false)

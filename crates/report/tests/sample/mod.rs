@@ -52,6 +52,7 @@ pub fn report() -> RunReport {
         },
         timing: Some(
             TimingCounts {
+                frames: 1,
                 cycles: CYCLES,
                 clock_hz: 8e6,
                 beams: 16_384,
@@ -92,6 +93,7 @@ pub fn report() -> RunReport {
             ..ErrorReport::new("image-order, step 1", &comparison(), 5.0)
         }),
         digest: DigestReport { base_plane: Some(sha256_hex(b"base plane")), image: Some(sha256_hex(b"image")) },
+        sequence: None,
         wall: WallReport {
             timing_s: Some(0.0031),
             function_s: Some(0.021),

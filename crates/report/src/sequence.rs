@@ -1,0 +1,149 @@
+//! A sequence of frames: how each went, and what it saw of volumes that came in.
+
+use cube3_metrics::ImageError;
+use serde::{Deserialize, Serialize};
+
+use crate::facts::Fact;
+use crate::quantity::{count, number, percentage, prefixed};
+use crate::{DigestReport, ReportError, RunReport};
+
+/// A sequence of frames.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SequenceReport {
+    /// Frames per second from the end of the first frame to the end of the last: what the viewer sees; for one frame,
+    /// from its start. Absent when no clock ran.
+    pub fps_sustained: Option<f64>,
+    /// Time of all frames at the machine's clock, in seconds. Absent when no clock ran.
+    pub time_s: Option<f64>,
+    /// Frames per second at which the animation plays. Absent when there are no pictures.
+    pub playback_fps: Option<f64>,
+    /// What came in through the acquisition port. Absent when the volume stands still or no clock ran.
+    pub acquisition: Option<AcquisitionReport>,
+    /// Each frame, in order.
+    pub frames: Vec<FrameReport>,
+}
+
+/// What came in through the acquisition port while the frames were read.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AcquisitionReport {
+    /// `dual-port`, `cycle-stealing` or `double-buffer`.
+    pub mode: String,
+    /// Words that come in with a cycle: those of the machine file, or as many as the modules take.
+    pub words_per_cycle: f64,
+    /// Words written.
+    pub words_written: u64,
+    /// Volumes written whole.
+    pub volumes_written: u64,
+    /// Sustained update rate: words written over the words of a volume and the time of all frames, in volumes per second.
+    pub updates_per_s: f64,
+    /// The update rate of a port that never waits: clock_hz · words_per_cycle / voxels.
+    pub updates_per_s_limit: f64,
+    /// Cycles in which a write kept a beam from being read.
+    pub stolen_cycles: u64,
+    /// Volumes that the frame buffer has room for.
+    pub buffers: u32,
+    /// Frames that show more than one volume.
+    pub torn_frames: usize,
+}
+
+/// One frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FrameReport {
+    /// Yaw, tilt and roll in degrees. Absent for a view by its direction.
+    pub angles_deg: Option<[f64; 3]>,
+    /// Cycles since the end of the frame before. Absent when no clock ran.
+    pub cycles: Option<u64>,
+    /// Cycles from the first fetch of the first frame to the last pixel of this one.
+    pub end_cycle: Option<u64>,
+    /// The oldest volume that the frame shows, from 0: the one that the reference shows.
+    pub volume: u64,
+    /// The newest volume that the frame shows.
+    pub newest_volume: u64,
+    /// Share of the voxels that are of newer volumes than the oldest, 0 to 1.
+    pub newer_fraction: f64,
+    /// Whether the frame shows more than one volume.
+    pub torn: bool,
+    /// Beams with voxels of two volumes.
+    pub mixed_beams: u64,
+    /// The first plane of rays, in the order in which they are read, by whose end voxels of two volumes had been read.
+    pub first_torn_plane: Option<u32>,
+    /// The picture against the reference of the oldest volume. Absent when not measured.
+    pub error: Option<ImageError>,
+    /// The raw pixels. Absent without pictures.
+    pub digest: DigestReport,
+}
+
+impl SequenceReport {
+    /// What holds in every sequence: frames follow each other without gap, shares are shares, and what is torn shows two volumes.
+    pub(crate) fn check(&self, report: &RunReport) -> Result<(), ReportError> {
+        let same = |key, found: f64, expected: f64| {
+            if found == expected { Ok(()) } else { Err(ReportError::Inconsistent { key, found, expected }) }
+        };
+        if let Some(timing) = &report.timing {
+            same("timing.frames", timing.frames as f64, self.frames.len() as f64)?;
+            let mut end = 0;
+            for frame in &self.frames {
+                end += frame.cycles.unwrap_or_default();
+                same("sequence.frames[].end_cycle", frame.end_cycle.unwrap_or_default() as f64, end as f64)?;
+            }
+            same("timing.cycles", timing.cycles as f64, end as f64)?;
+        }
+        for frame in &self.frames {
+            same("sequence.frames[].torn", frame.torn.into(), (frame.newest_volume > frame.volume).into())?;
+            same("sequence.frames[].newer_fraction", frame.torn.into(), (frame.newer_fraction > 0.0).into())?;
+        }
+        let torn = self.frames.iter().filter(|frame| frame.torn).count();
+        let expected = self.acquisition.as_ref().map_or(0, |acquisition| acquisition.torn_frames);
+        same("sequence.acquisition.torn_frames", torn as f64, expected as f64)
+    }
+
+    /// Every number that must be finite, with its key.
+    pub(crate) fn numbers(&self) -> Vec<(&'static str, f64)> {
+        let mut numbers = vec![
+            ("sequence.fps_sustained", self.fps_sustained.unwrap_or_default()),
+            ("sequence.time_s", self.time_s.unwrap_or_default()),
+            ("sequence.playback_fps", self.playback_fps.unwrap_or_default()),
+        ];
+        if let Some(acquisition) = &self.acquisition {
+            numbers.push(("sequence.acquisition.words_per_cycle", acquisition.words_per_cycle));
+            numbers.push(("sequence.acquisition.updates_per_s", acquisition.updates_per_s));
+            numbers.push(("sequence.acquisition.updates_per_s_limit", acquisition.updates_per_s_limit));
+        }
+        for frame in &self.frames {
+            numbers.extend(frame.angles_deg.unwrap_or_default().map(|angle| ("sequence.frames[].angles_deg", angle)));
+            numbers.push(("sequence.frames[].newer_fraction", frame.newer_fraction));
+            if let Some(error) = &frame.error {
+                let measures = [error.mean_relative, error.rms, error.max, error.fraction_off];
+                numbers.extend(measures.map(|measure| ("sequence.frames[].error", measure)));
+            }
+        }
+        numbers
+    }
+
+    /// The sequence in words.
+    pub(crate) fn facts(&self) -> Vec<Fact> {
+        let mut facts = vec![("Frames", count(self.frames.len() as u64))];
+        if let (Some(fps), Some(time)) = (self.fps_sustained, self.time_s) {
+            facts.push(("Frames per second", format!("{}, all in {}", number(fps), prefixed(time, "s"))));
+        }
+        if let Some(acquisition) = &self.acquisition {
+            let AcquisitionReport { updates_per_s, updates_per_s_limit, stolen_cycles, .. } = acquisition;
+            let words = number(acquisition.words_per_cycle);
+            facts.push(("Acquisition", format!("{}, {words} words a cycle", acquisition.mode)));
+            let rate = format!("{}, at most {}", number(*updates_per_s), number(*updates_per_s_limit));
+            facts.push(("Volumes per second", rate));
+            facts.push(("Cycles taken from reads", count(*stolen_cycles)));
+            let newer = self.frames.iter().map(|frame| frame.newer_fraction).fold(0.0, f64::max);
+            let torn = match acquisition.torn_frames {
+                0 => "none".into(),
+                torn => format!("{}, up to {} of newer voxels", count(torn as u64), percentage(newer)),
+            };
+            facts.push(("Torn frames", torn));
+        }
+        let errors = self.frames.iter().filter_map(|frame| Some(frame.error.as_ref()?.mean_relative));
+        if let Some(worst) = errors.reduce(f64::max) {
+            facts.push(("Largest mean relative error", percentage(worst)));
+        }
+        facts
+    }
+}

@@ -1,0 +1,149 @@
+//! What a frame saw of volumes that came in while it was read.
+//!
+//! Volume 0 is in the frame buffer at the start; volume j comes in behind volume j − 1. A beam that has seen W words written
+//! read voxel i (x fastest) of volume ⌈(W − i)/voxels⌉. A frame that reads voxels of more than one volume is *torn*.
+
+use cube3_cfb::scan;
+use cube3_host::Geometry;
+use std::collections::BTreeMap;
+
+/// A frame with what each of its beams, in the order of fetches, has seen written.
+#[derive(Clone, Copy, Debug)]
+pub struct Sight<'a> {
+    geometry: &'a Geometry,
+    dims: [usize; 3],
+    seen: &'a [u64],
+}
+
+/// How the volumes of a frame are mixed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mixture {
+    /// The oldest volume that a voxel was read of.
+    pub oldest: u64,
+    /// The newest.
+    pub newest: u64,
+    /// Voxels read: all of the volume.
+    pub voxels: u64,
+    /// Voxels of volumes newer than the oldest.
+    pub newer: u64,
+    /// Beams with voxels of two volumes.
+    pub mixed_beams: u64,
+    /// The first plane of rays, in the order in which they are read, by whose end voxels of two volumes had been read.
+    pub first_torn_plane: Option<u32>,
+}
+
+impl Mixture {
+    /// A frame of one volume.
+    pub fn whole(volume: u64) -> Mixture {
+        Mixture { oldest: volume, newest: volume, voxels: 0, newer: 0, mixed_beams: 0, first_torn_plane: None }
+    }
+
+    /// Whether the frame shows more than one volume.
+    pub fn is_torn(&self) -> bool {
+        self.oldest != self.newest
+    }
+}
+
+/// A beam of voxels in the order of the volume.
+struct Row {
+    plane: u32,
+    /// Place of its first voxel.
+    first: usize,
+    /// From voxel to voxel.
+    stride: usize,
+    count: usize,
+    /// Voxels before this place are of volume `before + 1`, the others of volume `before`.
+    edge: usize,
+    before: u64,
+}
+
+impl Row {
+    /// Voxels of volume `before + 1`, which come first.
+    fn newer(&self) -> usize {
+        self.edge.saturating_sub(self.first).div_ceil(self.stride).min(self.count)
+    }
+}
+
+impl<'a> Sight<'a> {
+    /// A frame of a volume of `dims` voxels along x, y, z; `seen` is for each of its beams, in the order of fetches.
+    pub fn new(geometry: &'a Geometry, dims: [usize; 3], seen: &'a [u64]) -> Sight<'a> {
+        Sight { geometry, dims, seen }
+    }
+
+    /// The sights of frames that were read one behind another; `seen` is what all their beams have seen written.
+    pub fn of_frames(
+        geometries: impl IntoIterator<Item = &'a Geometry>,
+        dims: [usize; 3],
+        seen: &'a [u64],
+    ) -> Vec<Sight<'a>> {
+        let mut rest = seen;
+        let take = |geometry: &'a Geometry| {
+            let (seen, after) = rest.split_at((geometry.size[1] * geometry.size[2]).min(rest.len()));
+            rest = after;
+            Sight::new(geometry, dims, seen)
+        };
+        geometries.into_iter().map(take).collect()
+    }
+
+    fn rows(&self) -> impl Iterator<Item = Row> + '_ {
+        let Geometry { axes, size, .. } = self.geometry;
+        let [nx, ny, _] = self.dims;
+        let voxels: usize = self.dims.iter().product();
+        let place = move |u: usize, v: usize, w: usize| {
+            let [x, y, z] = axes.voxel(*size, [u, v, w]);
+            x + nx * (y + ny * z)
+        };
+        scan(self.geometry).zip(self.seen).map(move |((plane, depth, row), &seen)| {
+            let [a, b] = [0, size[0] - 1].map(|u| place(u, row as usize, depth as usize));
+            Row {
+                plane,
+                first: a.min(b),
+                stride: a.abs_diff(b).checked_div(size[0] - 1).unwrap_or(1),
+                count: size[0],
+                edge: (seen % voxels as u64) as usize,
+                before: seen / voxels as u64,
+            }
+        })
+    }
+
+    /// How the volumes are mixed.
+    pub fn mixture(&self) -> Mixture {
+        let mut voxels: BTreeMap<u64, u64> = BTreeMap::new();
+        let (mut mixed_beams, mut first_torn_plane) = (0, None);
+        for row in self.rows() {
+            let newer = row.newer();
+            for (volume, count) in [(row.before, row.count - newer), (row.before + 1, newer)] {
+                if count > 0 {
+                    *voxels.entry(volume).or_default() += count as u64;
+                }
+            }
+            mixed_beams += u64::from(newer > 0 && newer < row.count);
+            if voxels.len() > 1 && first_torn_plane.is_none() {
+                first_torn_plane = Some(row.plane);
+            }
+        }
+        let all: u64 = voxels.values().sum();
+        let (oldest, of_oldest) = voxels.first_key_value().map_or((0, 0), |(volume, count)| (*volume, *count));
+        let newest = voxels.last_key_value().map_or(0, |(volume, _)| *volume);
+        Mixture { oldest, newest, voxels: all, newer: all - of_oldest, mixed_beams, first_torn_plane }
+    }
+
+    /// The volume as the frame saw it, x fastest: each voxel from the volume that it was read of. `volumes` are the words
+    /// of the volumes from the oldest to the newest.
+    pub fn assemble(&self, oldest: u64, volumes: &[&[u16]]) -> Vec<u16> {
+        let mut words = volumes[0].to_vec();
+        for row in self.rows() {
+            let newer = row.newer();
+            for (volume, voxels) in [(row.before, newer..row.count), (row.before + 1, 0..newer)] {
+                if volume == oldest {
+                    continue;
+                }
+                for i in voxels {
+                    let place = row.first + i * row.stride;
+                    words[place] = volumes[(volume - oldest) as usize][place];
+                }
+            }
+        }
+        words
+    }
+}

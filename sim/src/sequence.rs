@@ -1,0 +1,452 @@
+//! A sequence of frames: volumes that come in while the machine renders, and a view that moves.
+//!
+//! ```text
+//!   setups of all frames ──► one timing run with the acquisition port ──► what each beam has seen
+//!                                                                              │
+//!   volume 0, 1, 2 … ──► the volume as frame f saw it ◄────────────────────────┘
+//!                                   │
+//!                                   └──► function ──► picture, error, animation
+//! ```
+//!
+//! Only a few volumes and one picture are held at a time.
+
+use crate::acquisition::{Mixture, Sight};
+use crate::animation::playback_fps;
+use crate::fidelity::Timing;
+use crate::inputs::{self, LoadedVolume};
+use crate::machine::{Machine, Overflows, RunCounters};
+use crate::problem::{Outcome, Problem};
+use crate::progress::{Progress, Waiting};
+use crate::run::{
+    Asked, Found, MachineRun, Pictures, Reference, RunOptions, RunResult, Runs, function, measure, notes,
+    reference_picture, show,
+};
+use cube3_cfb::{AcquisitionPort, PortSpec};
+use cube3_host::{AcquisitionMode, BasePlane, Frame, FrameSetup, MachineSpec, frame_setup};
+use cube3_metrics::{ImageError, Picture, compare};
+use cube3_report::{AcquisitionReport, DigestReport, FrameReport, SequenceReport, WallReport};
+use cube3_scene::{Scene, VolumeSource};
+use cube3_volume::{Phantom, ReadOptions};
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+
+/// Most frames of a sequence.
+pub const MOST_FRAMES: usize = 100_000;
+
+/// Volumes that are kept: a torn frame shows two or three, and the next frame the last of them again.
+const KEPT_VOLUMES: usize = 4;
+
+/// The volumes of a sequence, in the order of time.
+pub struct Series {
+    source: VolumeSource,
+    machine: MachineSpec,
+    options: ReadOptions,
+    mask: bool,
+    /// The first volume's, which all share.
+    window: [f64; 2],
+    phase_per_volume: f64,
+    first: Arc<LoadedVolume>,
+    kept: VecDeque<(u64, Arc<LoadedVolume>)>,
+    /// Words held at the ends of the window, of each volume that has been loaded.
+    clipped: BTreeMap<u64, u64>,
+}
+
+impl Series {
+    /// The volumes of a scene for a sequence of `frames`; the first is loaded.
+    ///
+    /// # Errors
+    /// A volume that cannot be read or made, and a phase for something that does not move.
+    pub fn open(
+        scene: &Scene,
+        machine: &MachineSpec,
+        options: &ReadOptions,
+        mask: bool,
+        frames: usize,
+    ) -> Outcome<Series> {
+        let source = scene.volume.clone();
+        if let (Some(name), Some(_)) = (&source.phantom, source.phase_per_frame)
+            && !name.parse::<Phantom>()?.moves()
+        {
+            return Err(Problem::new(format!(
+                "phantom {name} does not move; leave phase_per_frame out, or take beating-heart"
+            )));
+        }
+        let phase_per_volume = source.phase_per_frame.unwrap_or(1.0 / frames.max(1) as f64);
+        let first = load(&source, 0, phase_per_volume, source.window, machine, options, mask)?;
+        let clipped = BTreeMap::from([(0, first.conversion.clipped_below + first.conversion.clipped_above)]);
+        Ok(Series {
+            window: first.words.window,
+            source,
+            machine: machine.clone(),
+            options: options.clone(),
+            mask,
+            phase_per_volume,
+            first: Arc::new(first),
+            kept: VecDeque::new(),
+            clipped,
+        })
+    }
+
+    /// The first volume.
+    pub fn first(&self) -> &LoadedVolume {
+        &self.first
+    }
+
+    /// How many volumes there are; a phantom that moves has no end.
+    pub fn count(&self) -> Option<u64> {
+        let moves = self.source.phantom.as_ref().is_some_and(|name| name.parse().is_ok_and(Phantom::moves));
+        (!moves).then(|| self.source.files.len().max(1) as u64)
+    }
+
+    /// Volume `index`, from 0; behind the last, the last.
+    ///
+    /// # Errors
+    /// A volume that cannot be read or made, or whose grid is not that of the first.
+    pub fn volume(&mut self, index: u64) -> Outcome<Arc<LoadedVolume>> {
+        let index = self.count().map_or(index, |count| index.min(count - 1));
+        if index == 0 {
+            return Ok(Arc::clone(&self.first));
+        }
+        if let Some((_, volume)) = self.kept.iter().find(|(kept, _)| *kept == index) {
+            return Ok(Arc::clone(volume));
+        }
+        let Series { source, machine, options, .. } = &*self;
+        let volume = load(source, index, self.phase_per_volume, Some(self.window), machine, options, self.mask)?;
+        let (first, here) = (&self.first.words, &volume.words);
+        if here.dims != first.dims || here.spacing != first.spacing {
+            return Err(Problem::new(format!(
+                "{} has {:?} voxels of {:?}, and {} has {:?} of {:?}: the volumes of a series need one grid",
+                volume.source, here.dims, here.spacing, self.first.source, first.dims, first.spacing
+            )));
+        }
+        self.clipped.insert(index, volume.conversion.clipped_below + volume.conversion.clipped_above);
+        let volume = Arc::new(volume);
+        if self.kept.len() == KEPT_VOLUMES {
+            self.kept.pop_front();
+        }
+        self.kept.push_back((index, Arc::clone(&volume)));
+        Ok(volume)
+    }
+}
+
+/// Volume `index` of a source.
+fn load(
+    source: &VolumeSource,
+    index: u64,
+    phase_per_volume: f64,
+    window: Option<[f64; 2]>,
+    machine: &MachineSpec,
+    options: &ReadOptions,
+    mask: bool,
+) -> Outcome<LoadedVolume> {
+    let _waiting = Waiting::new("volume");
+    let mut one = source.clone();
+    if let Some(file) = source.files.get(index as usize) {
+        one = VolumeSource::from_file(file);
+    } else if let Some(name) = &source.phantom
+        && name.parse::<Phantom>()?.moves()
+    {
+        one.phase = Some(source.phase.unwrap_or_default() + phase_per_volume * index as f64);
+    }
+    let (name, data) = inputs::data(&one, options)?;
+    inputs::to_words(name, data, window, machine, mask)
+}
+
+/// A frame of the sequence, as it is made.
+pub struct Shown<'a> {
+    /// The frame, from 0.
+    pub frame: usize,
+    /// The warped picture.
+    pub picture: &'a Picture,
+    /// Frames per second at which an animation plays.
+    pub playback_fps: f64,
+}
+
+/// What the clock gave.
+struct Clocked {
+    counters: RunCounters,
+    port: Option<AcquisitionPort>,
+    /// In runs with real data, the base planes.
+    bases: Vec<BasePlane>,
+    overflows: Overflows,
+}
+
+/// Runs a sequence of frames; each picture is given to `take` as soon as it is there.
+///
+/// # Errors
+/// A scene, machine or volume that cannot be run, a machine that cannot move, more memory than there is, and what `take` refuses.
+pub fn run_sequence(
+    scene: &Scene,
+    machine: &MachineSpec,
+    series: &mut Series,
+    frames: usize,
+    options: &RunOptions,
+    take: &mut dyn FnMut(Shown<'_>) -> Outcome<()>,
+) -> Outcome<RunResult> {
+    let total = Progress::new("total");
+    let first = Arc::clone(&series.first);
+    let moves = series.count() != Some(1);
+    check_memory(scene, machine, series, frames, options)?;
+    let views: Vec<Scene> = (0..frames).map(|frame| scene_at(scene, frame, frames)).collect();
+    let set_up = |frame: usize| Ok::<Frame, Problem>(frame_setup(&views[frame], machine, &first.info(), options.plan)?);
+    let mut run = MachineRun::default();
+    let clocked = match options.runs {
+        Runs::Function => None,
+        _ => {
+            let setups = (0..frames).map(|frame| Ok(set_up(frame)?.setup)).collect::<Outcome<Vec<FrameSetup>>>()?;
+            let port = moves
+                .then(|| PortSpec::new(machine, first.words.dims, series.count().map(|count| count.saturating_sub(1))));
+            Some(clock(machine, series, setups, port, options.runs, &mut run)?)
+        }
+    };
+    let fps = clocked.as_ref().map(|clocked| sustained_fps(&clocked.counters, machine.clock_hz));
+    let playback_fps = playback_fps(fps.unwrap_or(f64::INFINITY));
+
+    let progress = Progress::new("frames");
+    let (mut pictures, mut first_error, mut first_digest) = (Pictures::default(), None, DigestReport::default());
+    let (mut reports, mut samples, mut reference_s, mut function_s) = (Vec::new(), 0, None, None);
+    let (mut seen, mut first_frame, mut end) = (0, None, 0);
+    for (index, view) in views.iter().enumerate() {
+        let frame = set_up(index)?;
+        let geometry = &frame.setup.geometry;
+        samples += geometry.sample_count();
+        let port = clocked.as_ref().and_then(|clocked| clocked.port.as_ref());
+        let beams = geometry.size[1] * geometry.size[2];
+        let sight = port.map(|port| Sight::new(geometry, first.words.dims, &port.seen()[seen..seen + beams]));
+        seen += beams;
+        let whole = match options.runs {
+            Runs::Function => series.count().map_or(index as u64, |count| (index as u64).min(count - 1)),
+            _ => 0,
+        };
+        let mixture = sight.map_or_else(|| Mixture::whole(whole), |sight| sight.mixture());
+        let base = match options.runs {
+            Runs::Timing => None,
+            Runs::Cycle => clocked.as_ref().and_then(|clocked| clocked.bases.get(index)).cloned(),
+            Runs::Both | Runs::Function => {
+                let words = words_of(series, sight.as_ref(), &mixture)?;
+                let words = words.as_ref().map_or_else(|volume| &volume.words.words, |assembled| assembled);
+                let (made, seconds) = function(&frame, first.words.dims, words, options.plan);
+                run.overflows.shading += made.overflows.shading;
+                run.overflows.pixel += made.overflows.pixel;
+                *function_s.get_or_insert(0.0) += seconds;
+                Some(made.base)
+            }
+        };
+        let (mut error, mut digest) = (None, DigestReport::default());
+        if let Some(base) = &base {
+            let (mut shown, made) = show(base, &frame, view, &first)?;
+            digest = made;
+            if options.reference != Reference::None {
+                let expected = series.volume(mixture.oldest)?;
+                let waiting = Progress::new("reference");
+                let picture = reference_picture(options.reference, view, machine, &expected, &frame, &waiting)?;
+                *reference_s.get_or_insert(0.0) += waiting.finish();
+                if index == 0 {
+                    let report = measure(options.reference, view, &frame, &expected, picture, &mut shown)?;
+                    error = Some(report.whole);
+                    first_error = Some(report);
+                } else {
+                    error = Some(difference(&shown, &picture)?);
+                }
+            }
+            if let Some(picture) = &shown.image {
+                take(Shown { frame: index, picture, playback_fps })?;
+            }
+            if index == 0 {
+                (pictures, first_digest) = (shown, digest.clone());
+                run.base = Some(base.clone());
+            }
+        }
+        let ends = clocked.as_ref().map(|clocked| clocked.counters.frame_ends[index]);
+        reports.push(FrameReport {
+            angles_deg: view.view.direction.is_none().then_some([
+                view.view.yaw_deg,
+                view.view.tilt_deg,
+                view.view.roll_deg,
+            ]),
+            cycles: ends.map(|this| this - end),
+            end_cycle: ends,
+            volume: mixture.oldest,
+            newest_volume: mixture.newest,
+            newer_fraction: mixture.newer as f64 / mixture.voxels.max(1) as f64,
+            torn: mixture.is_torn(),
+            mixed_beams: mixture.mixed_beams,
+            first_torn_plane: mixture.first_torn_plane,
+            error,
+            digest,
+        });
+        end = ends.unwrap_or_default();
+        if index == 0 {
+            first_frame = Some(frame);
+        }
+        progress.set(index as u64 + 1, frames as u64);
+    }
+    progress.finish();
+    run.function_s = function_s;
+    let Some(frame) = first_frame else {
+        return Err(Problem::new(format!("--frames 0: give 1 to {MOST_FRAMES}")));
+    };
+
+    let torn_frames = reports.iter().filter(|frame| frame.torn).count();
+    let acquisition = clocked.as_ref().and_then(|clocked| {
+        let port = clocked.port.as_ref()?;
+        Some(acquisition(port, machine, clocked.counters.cycles, torn_frames))
+    });
+    let sequence = SequenceReport {
+        fps_sustained: fps,
+        time_s: clocked.as_ref().map(|clocked| clocked.counters.cycles as f64 / machine.clock_hz),
+        playback_fps: pictures.image.is_some().then_some(playback_fps),
+        acquisition,
+        frames: reports,
+    };
+    if let Some(clocked) = clocked {
+        run.counters = Some(clocked.counters);
+        if options.runs == Runs::Cycle {
+            run.overflows = clocked.overflows;
+        }
+    }
+    let wall = WallReport { reference_s, total_s: Some(total.finish()), ..run.wall(samples) };
+    let asked = Asked { scene, machine, volume: &first, options };
+    let found = Found {
+        frames: frames as u64,
+        samples,
+        error: first_error,
+        digest: first_digest,
+        wall,
+        sequence: Some(sequence),
+    };
+    let mut report = asked.report(&frame, &run, found)?;
+    report.words.overflows.insert("voxel".into(), series.clipped.values().sum());
+    let notes = notes(scene, &first, run.base.as_ref(), frame.setup.geometry.sample_count());
+    Ok(RunResult { report, pictures, notes, counters: run.counters })
+}
+
+/// The scene of one frame: its view is where the path is then.
+fn scene_at(scene: &Scene, frame: usize, frames: usize) -> Scene {
+    let view = scene.path.as_ref().map_or_else(|| scene.view.clone(), |path| path.view_at(&scene.view, frame, frames));
+    Scene { view, ..scene.clone() }
+}
+
+/// Runs the clock over all frames, with or without data.
+fn clock(
+    machine: &MachineSpec,
+    series: &mut Series,
+    setups: Vec<FrameSetup>,
+    port: Option<PortSpec>,
+    runs: Runs,
+    run: &mut MachineRun,
+) -> Outcome<Clocked> {
+    let progress = Progress::new("timing");
+    let data = (runs == Runs::Cycle).then(|| setups.clone());
+    let mut timing: Machine<Timing> = Machine::timing(machine, setups)?;
+    if let Some(port) = port {
+        timing.acquire(port);
+    }
+    timing.run(&|done, all| progress.set(done, all))?;
+    let (counters, after) = (timing.counters(), timing.port().cloned());
+    let seconds = progress.finish();
+    let Some(setups) = data else {
+        run.timing_s = Some(seconds);
+        return Ok(Clocked { counters, port: after, bases: Vec::new(), overflows: Overflows::default() });
+    };
+    let progress = Progress::new("cycle");
+    let first = Arc::clone(&series.first);
+    let mut machine = Machine::cycle(machine, setups, first.words.dims, &first.words.words)?;
+    if let (Some(spec), Some(port)) = (port, &after) {
+        let begun = port.written().div_ceil(spec.voxels);
+        let limit = series.options.limit();
+        let bytes = begun.saturating_mul(spec.voxels * 2);
+        if bytes > limit {
+            return Err(Problem::new(format!(
+                "--fidelity cycle holds the {begun} volumes that come in, {bytes} bytes, and {limit} are free: give fewer frames, or another fidelity"
+            )));
+        }
+        let words = (1..=begun).map(|index| Ok(series.volume(index)?.words.words.clone()));
+        machine.acquire_volumes(spec, words.collect::<Outcome<Vec<Vec<u16>>>>()?);
+    }
+    machine.run(&|done, all| progress.set(done, all))?;
+    run.cycle_s = Some(progress.finish());
+    let (counters, port, overflows) = (machine.counters(), machine.port().cloned(), machine.overflows());
+    Ok(Clocked { counters, port, bases: machine.into_base_planes(), overflows })
+}
+
+/// The words that a frame shows: a volume as it came, or one put together from several.
+fn words_of(
+    series: &mut Series,
+    sight: Option<&Sight<'_>>,
+    mixture: &Mixture,
+) -> Outcome<Result<Vec<u16>, Arc<LoadedVolume>>> {
+    let Some(sight) = sight.filter(|_| mixture.is_torn()) else {
+        return Ok(Err(series.volume(mixture.oldest)?));
+    };
+    let volumes = (mixture.oldest..=mixture.newest).map(|index| series.volume(index)).collect::<Outcome<Vec<_>>>()?;
+    let words: Vec<&[u16]> = volumes.iter().map(|volume| volume.words.words.as_slice()).collect();
+    Ok(Ok(sight.assemble(mixture.oldest, &words)))
+}
+
+fn difference(shown: &Pictures, reference: &Picture) -> Outcome<ImageError> {
+    let image = shown.image.as_ref().ok_or_else(|| Problem::new("there is no picture to measure"))?;
+    Ok(compare(image, reference, None)?.whole)
+}
+
+/// Frames per second between the ends of the first and the last frame; of one frame, from its start.
+fn sustained_fps(counters: &RunCounters, clock_hz: f64) -> f64 {
+    let (frames, first) = match counters.frame_ends.as_slice() {
+        [] | [_] => (1, 0),
+        [first, .., _] => (counters.frame_ends.len() - 1, *first),
+    };
+    frames as f64 * clock_hz / (counters.cycles - first).max(1) as f64
+}
+
+fn acquisition(port: &AcquisitionPort, machine: &MachineSpec, cycles: u64, torn_frames: usize) -> AcquisitionReport {
+    let (spec, written) = (port.spec(), port.written());
+    let (mode, buffers) = match spec.mode {
+        AcquisitionMode::DualPort => ("dual-port", 1),
+        AcquisitionMode::CycleStealing => ("cycle-stealing", 1),
+        AcquisitionMode::DoubleBuffer => ("double-buffer", 2),
+    };
+    let volumes = |words: f64, cycles: f64| words / spec.voxels as f64 * machine.clock_hz / cycles;
+    AcquisitionReport {
+        mode: mode.into(),
+        words_per_cycle: spec.words_per_cycle(),
+        words_written: written,
+        volumes_written: written / spec.voxels,
+        updates_per_s: volumes(written as f64, cycles.max(1) as f64),
+        updates_per_s_limit: volumes(spec.words_per_cycle(), 1.0),
+        stolen_cycles: port.stolen(),
+        buffers,
+        torn_frames,
+    }
+}
+
+/// Refuses a sequence that would not fit into memory: the registers of all frames, what each beam has seen, the volumes kept,
+/// and with real data the base planes.
+fn check_memory(
+    scene: &Scene,
+    machine: &MachineSpec,
+    series: &Series,
+    frames: usize,
+    options: &RunOptions,
+) -> Outcome<()> {
+    let dims = series.first.words.dims;
+    let frames = frames as u64;
+    let face = dims.iter().map(|&n| n as u64).max().unwrap_or(0).pow(2);
+    let voxels: u64 = dims.iter().map(|&n| n as u64).product();
+    let rows = if scene.transfer.is_two_dimensional() { machine.words.table_gradient_bits } else { 0 };
+    // An entry of the table has four words of 32 bits; other registers and templates take less than 64 KiB.
+    let registers = (16_u64 << (machine.words.table_bits + rows)) + (1 << 16);
+    let moves = series.count() != Some(1);
+    // Samples of up to 8 bytes and words of 2, of the volumes kept and the one that is put together.
+    let volumes = if moves { (KEPT_VOLUMES as u64 + 1) * voxels * 10 } else { 0 };
+    let each = registers
+        + if moves { 8 * face } else { 0 }
+        + if options.runs == Runs::Cycle { 4 * face * 16 + registers } else { 0 };
+    let bytes = frames.saturating_mul(each).saturating_add(volumes);
+    let limit = series.options.limit();
+    if bytes > limit {
+        return Err(Problem::new(format!(
+            "--frames {frames} would take {bytes} bytes of memory, and {limit} are free: give fewer frames, or crop the volume"
+        )));
+    }
+    Ok(())
+}

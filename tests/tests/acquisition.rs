@@ -1,0 +1,228 @@
+//! Volumes that come in while frames are read: what each frame saw is known to the voxel, rates have closed forms, and stolen
+//! cycles are all that stealing costs.
+
+use cube3::acquisition::Sight;
+use cube3::function::{CanonicalVolume, render};
+use cube3::machine::Machine;
+use cube3_cfb::{AcquisitionPort, PortSpec};
+use cube3_channel::Reason;
+use cube3_host::{
+    Acquisition, AcquisitionMode, FrameSetup, Frames, MachineSpec, RaySlots, Rays, VolumeInfo, frame_setup,
+};
+use cube3_scene::{Scene, View};
+use cube3_tests::{machines, scenes, volumes};
+use proptest::prelude::*;
+
+const MODES: [AcquisitionMode; 3] =
+    [AcquisitionMode::DualPort, AcquisitionMode::CycleStealing, AcquisitionMode::DoubleBuffer];
+
+fn modes() -> impl Strategy<Value = AcquisitionMode> {
+    proptest::sample::select(MODES.to_vec())
+}
+
+fn port(machine: &Machine<impl cube3::fidelity::Fidelity>) -> &AcquisitionPort {
+    machine.port().unwrap()
+}
+
+/// Volumes of one grid whose words differ from each other's.
+fn series(words: &[u16], bits: u32, count: u16) -> Vec<Vec<u16>> {
+    let mask = ((1_u32 << bits) - 1) as u16;
+    (0..count)
+        .map(|j| words.iter().map(|word| word.wrapping_mul(2 * j + 1).wrapping_add(77 * j) & mask).collect())
+        .collect()
+}
+
+/// A machine that never stalls, and a frame on it.
+fn smooth(n: usize, slopes: [f64; 2], acquisition: Acquisition, overlap: bool) -> (MachineSpec, FrameSetup) {
+    let machine = MachineSpec { lanes: n, acquisition, frames: Frames { overlap }, ..MachineSpec::default() };
+    let scene = Scene { view: View::from_direction([slopes[0], slopes[1], 1.0], None), ..Scene::default() };
+    let volume = VolumeInfo { dims: [n; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
+    let setup = frame_setup(&scene, &machine, &volume, true).unwrap().setup;
+    (machine, setup)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    /// The oracle: a frame buffer that is really written while the machine reads it, against pictures of the volumes as they
+    /// are put together from what each beam has seen.
+    #[test]
+    fn the_volume_as_the_machine_saw_it_is_assembled_to_the_bit(
+        machine in machines(), views in proptest::collection::vec(scenes(), 1..4), volume in volumes(6, 16), mode in modes(),
+        words_per_cycle in prop_oneof![0.05..1.0_f64, 1.0..20.0_f64], overlap: bool,
+    ) {
+        let acquisition = Acquisition { mode, words_per_cycle };
+        let machine = MachineSpec { acquisition, frames: Frames { overlap }, ..machine };
+        let setups: Vec<FrameSetup> =
+            views.iter().map(|scene| frame_setup(scene, &machine, &volume.info(), true).unwrap().setup).collect();
+        let spec = PortSpec::new(&machine, volume.dims, None);
+
+        let mut timing = Machine::timing(&machine, setups.clone()).unwrap();
+        timing.acquire(spec);
+        timing.run(&|_, _| {}).unwrap();
+        let started = port(&timing).written() / spec.voxels + 2;
+        let series = series(&volume.words, machine.words.voxel_bits, started.min(400) as u16);
+        prop_assume!(started <= 400);
+
+        let mut cycle = Machine::cycle(&machine, setups.clone(), volume.dims, &series[0]).unwrap();
+        cycle.acquire_volumes(spec, series[1..].to_vec());
+        cycle.run(&|_, _| {}).unwrap();
+        prop_assert_eq!(cycle.counters(), timing.counters());
+        prop_assert_eq!(port(&cycle), port(&timing));
+
+        let sights = Sight::of_frames(setups.iter().map(|setup| &setup.geometry), volume.dims, port(&timing).seen());
+        let bases = cycle.into_base_planes();
+        let mut newest = 0;
+        for ((setup, sight), base) in setups.iter().zip(sights).zip(bases) {
+            let mixture = sight.mixture();
+            prop_assert_eq!(mixture.voxels, spec.voxels, "a frame reads every voxel once");
+            prop_assert!(mixture.oldest + 1 >= newest && mixture.newer < mixture.voxels);
+            prop_assert_eq!(mixture.first_torn_plane.is_some(), mixture.is_torn());
+            prop_assert!(mixture.mixed_beams == 0 || mixture.is_torn());
+            if mode == AcquisitionMode::DoubleBuffer {
+                prop_assert!(!mixture.is_torn());
+            }
+            newest = mixture.newest;
+            let shown: Vec<&[u16]> =
+                (mixture.oldest..=mixture.newest).map(|j| series[j as usize].as_slice()).collect();
+            let words = sight.assemble(mixture.oldest, &shown);
+            let turned = CanonicalVolume::new(&setup.geometry.axes, volume.dims, &words);
+            prop_assert_eq!(render(setup, &turned, true, &|_, _| {}).base, base);
+        }
+    }
+
+    #[test]
+    fn words_come_in_at_their_rate_to_a_word(
+        n in 4_usize..20, slopes in [0.0..=1.0_f64, 0.0..=1.0_f64], part in 0.01..1.5_f64, double: bool, overlap: bool,
+    ) {
+        let mode = if double { AcquisitionMode::DoubleBuffer } else { AcquisitionMode::DualPort };
+        let acquisition = Acquisition { mode, words_per_cycle: part * n as f64 };
+        let (machine, setup) = smooth(n, slopes, acquisition, overlap);
+        let alone = { let mut run = Machine::timing(&machine, vec![setup.clone(); 3]).unwrap(); run.run(&|_, _| {}).unwrap(); run.counters() };
+        let mut run = Machine::timing(&machine, vec![setup; 3]).unwrap();
+        let spec = PortSpec::new(&machine, [n; 3], None);
+        run.acquire(spec);
+        run.run(&|_, _| {}).unwrap();
+        prop_assert_eq!(run.counters(), alone, "reads do not notice");
+        prop_assert_eq!(spec.words_per_cycle(), (part * n as f64).min(n as f64).mul_add((1_u64 << 40) as f64, 0.0).round() / (1_u64 << 40) as f64);
+        let written = port(&run).written() as f64;
+        let expected = spec.words_per_cycle() * run.counters().cycles as f64;
+        if double {
+            // Held back where a volume is complete and the frame is not.
+            prop_assert!(written <= expected);
+        } else {
+            prop_assert!((expected - written).abs() < 1.0, "{} for {}", written, expected);
+        }
+    }
+
+    #[test]
+    fn a_stolen_cycle_costs_a_cycle_and_no_more(
+        n in 4_usize..20, slopes in [0.0..=1.0_f64, 0.0..=1.0_f64], part in 0.01..1.5_f64, overlap: bool, frames in 1_usize..4,
+    ) {
+        let acquisition = Acquisition { mode: AcquisitionMode::CycleStealing, words_per_cycle: part * n as f64 };
+        let (machine, setup) = smooth(n, slopes, acquisition, overlap);
+        let mut alone = Machine::timing(&machine, vec![setup.clone(); frames]).unwrap();
+        alone.run(&|_, _| {}).unwrap();
+        let mut run = Machine::timing(&machine, vec![setup; frames]).unwrap();
+        let spec = PortSpec::new(&machine, [n; 3], None);
+        run.acquire(spec);
+        run.run(&|_, _| {}).unwrap();
+        let (counters, stolen) = (run.counters(), port(&run).stolen());
+        prop_assert_eq!(counters.cycles, alone.counters().cycles + stolen);
+        prop_assert_eq!(counters.units[0].1.waiting[Reason::Port as usize], stolen);
+        prop_assert_eq!(counters.units[0].1.busy, alone.counters().units[0].1.busy);
+        // A group is a whole row here, so every write is of n words, and one of each stolen cycle.
+        let written = port(&run).written();
+        prop_assert_eq!(written % n as u64, 0);
+        prop_assert!(written >= stolen * n as u64);
+        if part < 0.5 {
+            // Less than every second cycle: no write waits, and what has come in is in the modules but for a group.
+            let arrived = spec.words_per_cycle() * counters.cycles as f64;
+            prop_assert!(arrived - (written as f64) < n as f64 + 1.0, "{} of {}", written, arrived);
+        }
+    }
+
+    #[test]
+    fn double_buffering_shows_the_newest_whole_volume_and_never_tears(
+        n in 4_usize..16, slopes in [0.0..=1.0_f64, 0.0..=1.0_f64], part in 0.05..1.5_f64, overlap: bool,
+    ) {
+        let acquisition = Acquisition { mode: AcquisitionMode::DoubleBuffer, words_per_cycle: part * n as f64 };
+        let (machine, setup) = smooth(n, slopes, acquisition, overlap);
+        let setups = vec![setup; 6];
+        let mut run = Machine::timing(&machine, setups.clone()).unwrap();
+        run.acquire(PortSpec::new(&machine, [n; 3], None));
+        run.run(&|_, _| {}).unwrap();
+        let seen = port(&run).seen();
+        let shown: Vec<u64> = Sight::of_frames(setups.iter().map(|setup| &setup.geometry), [n; 3], seen)
+            .iter()
+            .map(|sight| { assert!(!sight.mixture().is_torn()); sight.mixture().oldest })
+            .collect();
+        prop_assert_eq!(shown[0], 0);
+        prop_assert!(shown.is_sorted());
+        if overlap {
+            // The next frame is at the modules in the cycle behind the last beam: time for one change of roles.
+            prop_assert!(shown.windows(2).all(|pair| pair[1] <= pair[0] + 1), "{:?}", shown);
+        }
+        if part >= 1.0 {
+            prop_assert!((0..).zip(&shown).all(|(frame, &volume)| volume >= frame), "a port as fast as the reads keeps pace: {:?}", shown);
+        }
+    }
+}
+
+#[test]
+fn a_port_as_fast_as_the_modules_writes_a_volume_in_the_cycles_of_its_words() {
+    for (skew, lanes, group) in [([1, 1, 1], 8, 8), ([2, 1, 1], 8, 4), ([0, 1, 1], 8, 1), ([1, 1, 1], 5, 5)] {
+        let mut machine = MachineSpec { lanes, ..MachineSpec::default() };
+        machine.cfb.skew = skew;
+        let spec = PortSpec::new(&machine, [8; 3], None);
+        assert_eq!((spec.group, spec.words_per_cycle()), (group, group as f64), "{skew:?}");
+    }
+}
+
+#[test]
+fn a_source_that_stops_leaves_its_last_volume() {
+    let acquisition = Acquisition { mode: AcquisitionMode::DualPort, words_per_cycle: 8.0 };
+    let (machine, setup) = smooth(8, [0.3, 0.2], acquisition, true);
+    let mut run = Machine::timing(&machine, vec![setup.clone(); 5]).unwrap();
+    run.acquire(PortSpec::new(&machine, [8; 3], Some(2)));
+    run.run(&|_, _| {}).unwrap();
+    assert_eq!(port(&run).written(), 2 * 512);
+    let sights = vec![setup; 5];
+    let sights = Sight::of_frames(sights.iter().map(|setup| &setup.geometry), [8; 3], port(&run).seen());
+    let last = sights[4].mixture();
+    assert_eq!((last.oldest, last.newest, last.newer), (2, 2, 0));
+}
+
+/// Rays along +z read plane by plane of y, all z of each: the write in order of z crosses that.
+#[test]
+fn tearing_has_its_closed_form_when_a_volume_is_written_within_a_frame() {
+    let n = 8_u64;
+    let acquisition = Acquisition { mode: AcquisitionMode::DualPort, words_per_cycle: n as f64 };
+    for slots in [RaySlots::Wrapped, RaySlots::Padded] {
+        let (mut machine, _) = smooth(n as usize, [0.0, 0.0], acquisition, true);
+        machine.rays = Rays { slots, ..Rays::default() };
+        let scene = Scene { view: View::from_direction([0.0, 0.0, 1.0], None), ..Scene::default() };
+        let info = VolumeInfo { dims: [n as usize; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
+        let setup = frame_setup(&scene, &machine, &info, true).unwrap().setup;
+        let mut run = Machine::timing(&machine, vec![setup.clone()]).unwrap();
+        run.acquire(PortSpec::new(&machine, [n as usize; 3], None));
+        run.run(&|_, _| {}).unwrap();
+        // Ties go to y for u: a beam lies along y or x; row r of the volume is written in cycle r, beam b is read in cycle b.
+        let (axes, size) = (setup.geometry.axes, setup.geometry.size);
+        let mut newer = 0;
+        let mut beam = 0;
+        for v in 0..n as usize {
+            for w in 0..n as usize {
+                for u in 0..n as usize {
+                    let [_, y, z] = axes.voxel(size, [u, v, w]);
+                    newer += u64::from((y + n as usize * z) as u64 <= beam);
+                }
+                beam += 1;
+            }
+        }
+        let sights = Sight::of_frames([&setup.geometry], [n as usize; 3], port(&run).seen());
+        let mixture = sights[0].mixture();
+        assert_eq!((mixture.newer, mixture.oldest, mixture.newest), (newer, 0, 1), "{slots:?}");
+        assert_eq!(mixture.first_torn_plane, Some(0));
+    }
+}
