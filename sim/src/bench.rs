@@ -4,6 +4,7 @@ use crate::function::{CanonicalVolume, render};
 use crate::inputs::{self, LoadedVolume};
 use crate::machine::{Machine, RunError};
 use crate::problem::Outcome;
+use crate::trace::{Format, Recorder, Unobserved, Window};
 use cube3_channel::{Channel, Pipe, Unit};
 use cube3_host::{Frame, MachineSpec, VolumeInfo, frame_setup};
 use cube3_scene::{Scene, VolumeSource};
@@ -155,6 +156,15 @@ pub fn measure(plan: &Plan) -> Outcome<Vec<Measurement>> {
     rows.push(row("timing, a frame", time, 1.0, "s", format!("{} voxels a side, {cycles} cycles", plan.timing_size)));
     let speed = cycles as f64 * units / time;
     rows.push(row("timing, units", speed, 1e6, "M unit-ticks/s", format!("{:.2} of the pipe's", speed / ticks)));
+    for (what, format) in [
+        ("timing, the whole frame recorded", None),
+        ("timing, a tenth recorded, and written as FST", Some(Format::Fst)),
+        ("timing, a tenth recorded, and written as Kanata", Some(Format::Kanata)),
+        ("timing, a tenth recorded, and written as JSON", Some(Format::Perfetto)),
+    ] {
+        let ratio = traced(plan, format)?;
+        rows.push(row(what, ratio, 1.0, "times as long", "as the frame without a trace".into()));
+    }
     let cases = [
         ("function, head, shaded, planned", true, false, true),
         ("function, head, unshaded, planned", false, false, true),
@@ -172,11 +182,51 @@ pub fn measure(plan: &Plan) -> Outcome<Vec<Measurement>> {
     Ok(rows)
 }
 
-/// Cycles and seconds of a timing run of the default view.
-fn timing(plan: &Plan) -> Outcome<(u64, f64)> {
+/// The machine and the frame of timing runs: the default view.
+fn timing_case(plan: &Plan) -> Outcome<(MachineSpec, Frame)> {
     let machine = inputs::machine("cube3-512")?;
     let volume = VolumeInfo { dims: [plan.timing_size; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
     let frame = frame_setup(&Scene::default(), &machine, &volume, true)?;
+    Ok((machine, frame))
+}
+
+/// How much longer a timing run takes with a recording: of the whole frame and kept in memory, or of its middle tenth and made
+/// into a file of a format. Runs with and without are measured in turn.
+fn traced(plan: &Plan, format: Option<Format>) -> Outcome<f64> {
+    let (machine, frame) = timing_case(plan)?;
+    let frames = || vec![frame.setup.clone()];
+    let mut plain = Machine::timing(&machine, frames())?;
+    plain.run(&|_, _| {})?;
+    let cycles = plain.counters().cycles;
+    let window = match format {
+        None => Window { from: 0, to: cycles },
+        Some(_) => Window { from: cycles / 2, to: cycles / 2 + (cycles / 10).max(1) },
+    };
+    let mut ratios = Vec::new();
+    for _ in 0..=plan.repeats {
+        let mut plain = Machine::timing(&machine, frames())?;
+        let start = Instant::now();
+        plain.run(&|_, _| {})?;
+        let without = start.elapsed().as_secs_f64();
+        let mut run = Machine::timing(&machine, frames())?;
+        let start = Instant::now();
+        run.run_until(window.from, &mut Unobserved, &|_, _| {})?;
+        let mut recorder = Recorder::new(&run, window, machine.clock_hz);
+        run.run_until(window.to, &mut recorder, &|_, _| {})?;
+        run.run(&|_, _| {})?;
+        let recording = recorder.finish();
+        if let Some(format) = format {
+            std::hint::black_box(recording.write(format)?);
+        }
+        std::hint::black_box(&recording);
+        ratios.push(start.elapsed().as_secs_f64() / without);
+    }
+    Ok(median(ratios))
+}
+
+/// Cycles and seconds of a timing run of the default view.
+fn timing(plan: &Plan) -> Outcome<(u64, f64)> {
+    let (machine, frame) = timing_case(plan)?;
     let mut cycles = 0;
     let mut failed = None;
     let time = seconds(plan.repeats, || match Machine::timing(&machine, vec![frame.setup.clone()]) {

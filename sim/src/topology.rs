@@ -110,7 +110,7 @@ fn label(channel: &ChannelReading, cycles: u64) -> [String; 2] {
     let mean = channel.counters.occupancy_cycles as f64 / cycles.max(1) as f64;
     let (tokens, s) = (channel.capacity, if channel.latency == 1 { "" } else { "s" });
     [
-        format!("{} ({}s)", channel.name, channel.joint.tokens.name()),
+        channel.name.to_owned(),
         format!("capacity {tokens}, latency {} cycle{s}, mean occupancy {mean:.2}", channel.latency),
     ]
 }

@@ -1,6 +1,7 @@
 //! A recording as an FST waveform.
 //!
-//! Time is the machine's: the clock rises at the start of a cycle, and the other signals hold what the cycle did.
+//! Time is the machine's: the clock rises at the start of a cycle, and the other signals hold what the cycle did. Before the
+//! window all are X.
 //!
 //! ```text
 //!   cube3.clock

@@ -133,13 +133,25 @@ impl Lives<'_> {
     }
 }
 
-/// A line of the log for a token.
+/// A line of the log for a token; those of a cycle in this order.
 enum Command<'a> {
     Begin(&'a Life),
+    EndStall(&'static str),
     Stage(&'static str),
     Stall(&'static str),
-    EndStall(&'static str),
     Retire,
+}
+
+impl Command<'_> {
+    fn order(&self) -> u8 {
+        match self {
+            Command::Begin(_) => 0,
+            Command::EndStall(_) => 1,
+            Command::Stage(_) => 2,
+            Command::Stall(_) => 3,
+            Command::Retire => 4,
+        }
+    }
 }
 
 /// The log.
@@ -176,7 +188,7 @@ pub fn write(recording: &Recording) -> String {
         }
         commands.extend(life.end.map(|end| (end, id, Command::Retire)));
     }
-    commands.sort_by_key(|(cycle, id, command)| (*cycle, matches!(command, Command::Retire), *id));
+    commands.sort_by_key(|(cycle, id, command)| (*cycle, *id, command.order()));
     text(recording.from(), &commands)
 }
 
