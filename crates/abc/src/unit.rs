@@ -16,9 +16,6 @@ use cube3_trilin::{RaySamples, SampleRay};
 use cube3_word::vectorised;
 use serde::{Deserialize, Serialize};
 
-/// Planes in the ring: above, current, below, and the one that comes in.
-pub const RING: usize = 4;
-
 /// A slot of coloured samples.
 #[derive(Clone, Debug, Default)]
 pub struct ShadedRay<D> {
@@ -82,15 +79,15 @@ pub struct Shader {
 }
 
 impl Shader {
-    /// Units for a frame. With `skip`, transparent stretches are not shaded, which changes no bit.
-    pub fn new(setup: &FrameSetup, lanes: usize, skip: bool) -> Shader {
+    /// Units for a frame with a ring of `ring` planes. With `skip`, transparent stretches are not shaded, which changes no bit.
+    pub fn new(setup: &FrameSetup, lanes: usize, ring: usize, skip: bool) -> Shader {
         let [slots, planes] = setup.geometry.slot_counts();
         let empty: Plane = vec![Vec::new(); slots];
         let kept = if setup.geometry.closes()[1] { planes.min(2) } else { 0 };
         Shader {
             lanes,
             arithmetic: AbcLanes::new(setup, skip),
-            ring: vec![empty.clone(); RING],
+            ring: vec![empty.clone(); ring],
             first: vec![empty; kept],
             around: vec![Vec::new(); 27],
             row: ShadedRow::default(),
@@ -104,7 +101,7 @@ impl Shader {
     }
 
     fn samples(&self, plane: usize, slot: usize) -> &[i32] {
-        self.first.get(plane).unwrap_or(&self.ring[plane % RING])[slot].as_slice()
+        self.first.get(plane).unwrap_or(&self.ring[plane % self.ring.len()])[slot].as_slice()
     }
 
     /// Fills one of the 27 neighbour rays: the samples at displacement (u, v, w), or the border.
@@ -146,11 +143,12 @@ impl Shade for Shader {
     fn take(&mut self, setup: &FrameSetup, ray: &mut SampleRay<RaySamples>) {
         let (plane, slot) = (ray.plane as usize, ray.slot as usize);
         let (lanes, depths) = (self.lanes, setup.geometry.size[2]);
-        let place = &mut self.ring[plane % RING][slot];
+        let held = plane % self.ring.len();
+        let place = &mut self.ring[held][slot];
         place.clear();
         place.extend((0..depths).map(|k| ray.data.samples[ray_lane(lanes, slot, k)]));
         if let Some(kept) = self.first.get_mut(plane) {
-            kept[slot].clone_from(&self.ring[plane % RING][slot]);
+            kept[slot].clone_from(&self.ring[held][slot]);
         }
     }
 
@@ -220,6 +218,8 @@ pub struct AbcSpec {
     pub closes: [bool; 2],
     /// Whether rays wait for their neighbours at all.
     pub buffered: bool,
+    /// Planes of samples in the ring: above, current, below, and those that come in.
+    pub ring: u64,
 }
 
 impl AbcSpec {
@@ -232,6 +232,7 @@ impl AbcSpec {
             planes: planes as u64,
             closes: setup.geometry.closes(),
             buffered: setup.gradient.is_some(),
+            ring: machine.abc.planes as u64,
         }
     }
 
@@ -368,9 +369,9 @@ impl<A: Shade> AbcUnit<A> {
         };
         let oldest = spec.oldest(self.state.given);
         if frame == self.state.frame {
-            return plane < oldest + RING as u64;
+            return plane < oldest + spec.ring;
         }
-        frame == self.state.frame + 1 && spec.planes - oldest + plane < RING as u64
+        frame == self.state.frame + 1 && spec.planes - oldest + plane < spec.ring
     }
 
     #[inline]
@@ -411,13 +412,20 @@ impl<A: Shade> AbcUnit<A> {
     /// What stops the unit inside, when nothing moves.
     pub fn inner_wait(&self, samples: &Channel<SampleRay<A::Input>>) -> Option<Wait> {
         let ray = samples.front()?;
-        (!self.has_buffer(ray.frame, u64::from(ray.plane))).then(|| Wait {
+        if self.has_buffer(ray.frame, u64::from(ray.plane)) {
+            return None;
+        }
+        let AbcFrame { spec, base, .. } = self.frames.get(self.state.frame as usize)?;
+        let [plane, slot] = spec.order(self.state.given);
+        // Where the next ray to be given still lacks a neighbour, the unit waits for itself: the ring is too small.
+        let lacks = self.state.taken < base + spec.needed(plane, slot);
+        Some(Wait {
             unit: Self::NAME,
             port: "sample planes".into(),
             state: PortState::Full,
-            occupancy: RING,
-            capacity: RING,
-            upon: "cone",
+            occupancy: spec.ring as usize,
+            capacity: spec.ring as usize,
+            upon: if lacks { Self::NAME } else { "cone" },
         })
     }
 

@@ -14,10 +14,12 @@ mod account;
 mod channel;
 mod clock;
 mod stall;
+mod transfer;
 mod unit;
 
 pub use account::{Account, Activity, Reason};
 pub use channel::{Channel, ChannelCounters, ChannelError};
 pub use clock::ClockDomain;
 pub use stall::{Deadlock, PortState, Wait, diagnose};
+pub use transfer::Transfer;
 pub use unit::{Pipe, Unit};

@@ -5,7 +5,7 @@
 //! the next cycle on, and gives its buffer back in the cycle in which its last ray leaves.
 
 use cube3_cfb::Beam;
-use cube3_channel::{Account, Activity, Channel, PortState, diagnose};
+use cube3_channel::{Account, Activity, Channel, PortState, Reason, diagnose};
 use cube3_dsb::bus::{BusUnit, NoBus};
 use cube3_dsb::{DsbSpec, DsbUnit, NoPlanes, RayPair};
 use cube3_host::{FrameSetup, MachineSpec, VolumeInfo, frame_setup};
@@ -20,7 +20,7 @@ fn setup(machine: &MachineSpec, dims: [usize; 3]) -> FrameSetup {
 
 /// A frame of `frame_planes` planes of n beams and n ray slots.
 fn spec(n: u32, frame_planes: u32, planes: usize) -> DsbSpec {
-    DsbSpec { planes, write_cycles: 1, read_cycles: 1, depths: n, slots: n, frame_planes, closes: false }
+    DsbSpec { planes, write_cycles: 1, read_cycles: 1, depths: n, slots: n, frame_planes, closes: false, ports: 2 }
 }
 
 /// The buffers between their channels, with a beam offered in every cycle.
@@ -147,6 +147,26 @@ fn a_beam_without_voxels_takes_one_cycle() {
         bench.tick(true, |beam| (beam % 2 == 0).then_some(beam));
     }
     assert_eq!(bench.left[0], 3 * 4 + 3 + 1);
+}
+
+#[test]
+fn with_one_port_writing_waits_while_rays_are_read() {
+    let n = 5_u64;
+    for planes in 2..6_u64 {
+        let bench = Bench::new(DsbSpec { ports: 1, ..spec(5, 6, planes as usize) }, 2).run();
+        // Two planes are written before the first is read; then a plane is read and a plane is written in turn, n cycles each,
+        // and the last two are there together.
+        let starts = [2, 4, 6, 8, 10, 11].map(|planes| planes * n + 1);
+        let expected: Vec<u64> = starts.into_iter().flat_map(|start| start..start + n).collect();
+        assert_eq!(bench.left, expected, "{planes} planes");
+        let [write, read] = bench.unit.accounts();
+        // A beam waits at the write port for a buffer, where there are but two, or else for the modules.
+        let port = write.waiting[Reason::Port as usize];
+        let held = 4 * n;
+        assert_eq!((write.busy, write.blocked + port), (6 * n, held));
+        assert_eq!(port, if planes == 2 { 4 } else { held });
+        assert_eq!((read.busy, read.blocked), (6 * n, 0));
+    }
 }
 
 #[test]

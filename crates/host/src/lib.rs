@@ -23,7 +23,7 @@ pub use machine::{
     GradientMethod, HostLink, Layout, MachineError, MachineSpec, MemoryType, Rays, Reuse, ShadingUnit, Trilin,
 };
 pub use registers::{
-    Classification, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, HalfSpace, Linear,
+    Classification, ConeOrder, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, HalfSpace, Linear,
     LinearFactor, Normaliser, Phong, PhongLight, ReflectanceTable, Shading,
 };
 pub(crate) use setup::gradient_scale;

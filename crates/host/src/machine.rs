@@ -1,6 +1,6 @@
 //! The machine as data: everything that an architect may change, with a unit and a source.
 
-use crate::{RaySlots, TemplateRule};
+use crate::{ConeOrder, RaySlots, TemplateRule};
 use cube3_word::Words;
 use serde::{Deserialize, Serialize};
 
@@ -126,6 +126,20 @@ pub enum ConeKind {
     Chain,
     /// One node that takes a sample a cycle: front to back.
     Accumulator,
+}
+
+impl ConeKind {
+    /// Every kind.
+    pub const ALL: [ConeKind; 4] =
+        [ConeKind::FoldedTree, ConeKind::ShiftedTree, ConeKind::Chain, ConeKind::Accumulator];
+
+    /// The order in which its nodes combine the samples of a ray.
+    pub fn order(self) -> ConeOrder {
+        match self {
+            ConeKind::FoldedTree | ConeKind::ShiftedTree => ConeOrder::Tree,
+            ConeKind::Chain | ConeKind::Accumulator => ConeOrder::FrontToBack,
+        }
+    }
 }
 
 /// The link to the host.

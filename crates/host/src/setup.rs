@@ -98,7 +98,7 @@ pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, pl
     let gradient_needed = lit || rows.is_some();
     let gradient = (gradient_needed || !plan).then(|| gradient_registers(machine, &geometry, &basis, plan));
     if !gradient_needed && plan {
-        let planes = 4 * geometry.size[2] * geometry.slot_counts()[0];
+        let planes = machine.abc.planes * geometry.size[2] * geometry.slot_counts()[0];
         leave(
             "gradient unit",
             "nothing in this scene reads a gradient",
@@ -164,6 +164,7 @@ pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, pl
         depth_cue: depth_cue(scene, &geometry, volume, &view).or_else(|| (!plan).then(neutral_cue)),
         cone: ConeRegisters {
             mode: scene.mode,
+            order: machine.cone.kind.order(),
             leaves: machine.lanes,
             opaque: quantise_unit(scene.transfer.opaque_alpha, words.opacity_bits).max(1),
             sum_weight: (1_u64 << ConeRegisters::WEIGHT_BITS) / geometry.size[2] as u64,
