@@ -7,6 +7,7 @@ pub mod function;
 pub mod gradient_error;
 pub mod host_port;
 pub mod inputs;
+pub mod links;
 pub mod machine;
 pub mod output;
 pub mod problem;

@@ -4,7 +4,7 @@ use crate::fidelity::Timing;
 use crate::function::{CanonicalVolume, FunctionRun, render};
 use crate::gradient_error;
 use crate::inputs::LoadedVolume;
-use crate::machine::{Machine, Overflows, RunCounters};
+use crate::machine::{Machine, Overflows, RunCounters, RunError};
 use crate::problem::Outcome;
 use crate::progress::Progress;
 use cube3_channel::Reason;
@@ -117,6 +117,8 @@ pub struct RunResult {
 #[derive(Default)]
 struct MachineRun {
     counters: Option<RunCounters>,
+    /// Cycles from a frame's last pixel to the next one's, where the same frame follows itself.
+    interval: u64,
     base: Option<BasePlane>,
     overflows: Overflows,
     timing_s: Option<f64>,
@@ -185,6 +187,7 @@ pub fn run_frame(
                 samples,
                 ray_slots: counters.ray_slots,
                 fill_cycles: counters.cycles - counters.steady_cycles,
+                frame_interval_cycles: run.interval,
             }
             .into()
         }),
@@ -223,14 +226,15 @@ fn run_machine(
                 (timing.join(), function)
             });
             let timing = timing.map_err(|_| crate::problem::Problem::new("the timing run stopped unexpectedly"))?;
-            (run.counters, run.timing_s) = timing.map(|(counters, seconds)| (Some(counters), Some(seconds)))?;
+            run.take_timing(timing?);
             run.take_function(function);
         }
-        Runs::Timing => (run.counters, run.timing_s) = timing(frame, machine).map(|(c, s)| (Some(c), Some(s)))?,
+        Runs::Timing => run.take_timing(timing(frame, machine)?),
         Runs::Function => run.take_function(function(frame, volume, options.plan)),
         Runs::Cycle => {
             let progress = Progress::new("cycle");
             let words = &volume.words;
+            run.interval = frame_interval(frame, machine)?;
             let mut machine = Machine::cycle(machine, vec![frame.setup.clone()], words.dims, &words.words)?;
             machine.run(&|done, all| progress.set(done, all))?;
             run.cycle_s = Some(progress.finish());
@@ -243,6 +247,12 @@ fn run_machine(
 }
 
 impl MachineRun {
+    fn take_timing(&mut self, (counters, interval, seconds): (RunCounters, u64, f64)) {
+        self.counters = Some(counters);
+        self.interval = interval;
+        self.timing_s = Some(seconds);
+    }
+
     fn take_function(&mut self, (run, seconds): (FunctionRun, f64)) {
         self.base = Some(run.base);
         self.overflows = run.overflows;
@@ -250,11 +260,24 @@ impl MachineRun {
     }
 }
 
-fn timing(frame: &Frame, machine: &MachineSpec) -> Outcome<(RunCounters, f64)> {
+/// A frame alone, and the interval at which it follows itself; the seconds are those of the frame alone.
+fn timing(frame: &Frame, machine: &MachineSpec) -> Outcome<(RunCounters, u64, f64)> {
     let progress = Progress::new("timing");
-    let mut machine: Machine<Timing> = Machine::timing(machine, vec![frame.setup.clone()])?;
-    machine.run(&|done, all| progress.set(done, all))?;
-    Ok((machine.counters(), progress.finish()))
+    let mut alone: Machine<Timing> = Machine::timing(machine, vec![frame.setup.clone()])?;
+    alone.run(&|done, all| progress.set(done, all))?;
+    let seconds = progress.finish();
+    Ok((alone.counters(), frame_interval(frame, machine)?, seconds))
+}
+
+/// Cycles between the last pixels of the second and the third of three equal frames: what each costs in an animation.
+///
+/// # Errors
+/// A machine that cannot be built or cannot move.
+pub fn frame_interval(frame: &Frame, machine: &MachineSpec) -> Result<u64, RunError> {
+    let mut run = Machine::timing(machine, vec![frame.setup.clone(); 3])?;
+    run.run(&|_, _| {})?;
+    let ends = run.counters().frame_ends;
+    Ok(ends[2] - ends[1])
 }
 
 fn function(frame: &Frame, volume: &LoadedVolume, skip: bool) -> (FunctionRun, f64) {

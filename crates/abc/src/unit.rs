@@ -136,6 +136,13 @@ fn reads(method: GradientMethod, by: [i64; 3]) -> bool {
     }
 }
 
+/// How many lanes away the samples are that a gradient method reads: a step along u and one along w are a lane each.
+pub fn reach(method: GradientMethod) -> usize {
+    let steps = [-1_i64, 0, 1];
+    let all = steps.into_iter().flat_map(|u| steps.into_iter().flat_map(move |v| steps.map(|w| [u, v, w])));
+    all.filter(|by| reads(method, *by)).map(|by| (by[0] + by[2]).unsigned_abs() as usize).max().unwrap_or(0)
+}
+
 impl Shade for Shader {
     type Input = RaySamples;
     type Output = ShadedSamples;

@@ -256,8 +256,8 @@ fn with_three_planes_the_input_waits_for_the_end_of_a_plane_and_with_more_it_doe
     // One cycle before the first ray is there, its neighbours a plane and a ray later, and then a ray a cycle.
     let free = 1 + slots + 1 + slots * planes;
     assert_eq!([4, 5, 64].map(|ring| cycles(ring, 1)), [free; 3]);
-    // The ray of plane i + 2 takes the buffer of plane i − 1 when plane i has been given, and its own plane is given when the one
-    // to its right has come: with three planes each inner plane costs two cycles more.
+    // The first ray of plane i + 2 takes the buffer of plane i − 1 from the cycle on after the last ray of plane i has been given,
+    // which leaves one cycle after the last ray of plane i + 1 has come.
     assert_eq!(cycles(3, 1), free + THREE_PLANES_COST * (planes - 3));
     // Without a gradient nothing waits, with one plane or many.
     for ring in 1..5 {

@@ -42,6 +42,12 @@ impl Transfer {
         self.carried + self.spare + self.clock.peek() >= amount
     }
 
+    /// Whether it was over before this cycle.
+    #[inline]
+    pub fn completed(&self, amount: u64) -> bool {
+        self.carried >= amount
+    }
+
     /// Ends a cycle in which the token stays.
     #[inline]
     pub fn carry(&mut self) {

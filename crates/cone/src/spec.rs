@@ -1,5 +1,6 @@
 //! The cone's data sheet: how long each kind takes for a ray, what it is made of, and what it sends between boards.
 
+use cube3_dsb::BoardSpec;
 use cube3_host::{ChannelSize, ConeKind, FrameSetup, MachineSpec};
 
 /// Data sheet of the cone for one frame.
@@ -122,12 +123,8 @@ impl ConeSpec {
             }
             ConeKind::Chain => self.chunks * boards - 1,
             ConeKind::Accumulator => {
-                let width = self.lanes.div_ceil(self.boards);
-                let distance = |lane: usize| {
-                    let board = (lane / width) as u64;
-                    board.min(boards - board)
-                };
-                self.chunks * (0..self.lanes).map(distance).sum::<u64>()
+                let ring = BoardSpec { boards: self.boards, lanes: self.lanes, latency: self.link_latency };
+                self.chunks * (0..self.lanes).map(|lane| ring.hops(ring.board(lane), 0) as u64).sum::<u64>()
             }
         };
         NODE_WORDS * crossings

@@ -28,7 +28,7 @@ pub use registers::{
 };
 pub(crate) use setup::gradient_scale;
 pub use setup::{
-    Basis, Frame, HostError, LARGEST_RATIO, LARGEST_SIDE, LeftOut, SPACING_RANGE, VolumeInfo, depth_range, frame_setup,
+    Basis, Frame, HostError, LARGEST_RATIO, LARGEST_SIDE, LeftOut, SPACING_RANGE, VolumeInfo, check_bus, depth_range, frame_setup,
     step_length,
 };
 pub use template::{SLOPE_FRACTION_BITS, Template, TemplateRule, largest_offset, slope_register};

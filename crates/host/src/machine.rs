@@ -96,7 +96,7 @@ pub enum BusKind {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Boards {
-    /// Boards, each with ⌈lanes/count⌉ lanes: 1 to the lanes.
+    /// Boards, which share the lanes evenly: 1 to the lanes.
     pub count: usize,
     /// Words that a link carries in each direction in a pipeline cycle, above 0; any number where it is not given.
     #[serde(skip_serializing_if = "Option::is_none")]

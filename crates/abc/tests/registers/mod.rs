@@ -3,7 +3,7 @@
 
 use cube3_abc::golden::Neighbourhood;
 use cube3_host::{
-    Abc, Axes, Classification, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientRows,
+    Abc, Axes, Classification, ConeOrder, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientRows,
     GradientScale, HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, Phong, PhongLight, RaySlots, Rays,
     ReflectanceTable, Reuse, Shading, ShadingUnit, TemplateRule, VolumeInfo, frame_setup,
 };
