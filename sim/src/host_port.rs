@@ -1,8 +1,13 @@
 //! The machine's end of the host link: pixels are taken and put into the base plane.
+//!
+//! ```text
+//!   [pixels] ──► link, so many bytes a cycle ──► base plane
+//! ```
+//! The channel is the link's pixel FIFO: while its pixels wait, it fills, and the units before it stop one after another.
 
-use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel};
-use cube3_cone::{PixelGroup, Pixels};
-use cube3_host::{BasePlane, FrameSetup};
+use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, ClockDomain, Reason, Transfer};
+use cube3_cone::{PixelCounts, PixelGroup, Pixels};
+use cube3_host::{BasePlane, FrameSetup, MachineSpec};
 use serde::{Deserialize, Serialize};
 
 /// What the host does with pixels.
@@ -63,6 +68,22 @@ struct HostFrame<C> {
     collector: C,
     /// Slots of the frame.
     slots: u64,
+    /// Pixels of each slot.
+    pixels: PixelCounts,
+    /// Bytes of a pixel.
+    pixel_bytes: u64,
+}
+
+/// Components of a pixel: red, green, blue, opacity.
+const COMPONENTS: u64 = 4;
+
+/// What has gone to the host in the frames that it has received whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct HostCounters {
+    /// Pixels.
+    pub pixels: u64,
+    /// Bytes.
+    pub bytes: u64,
 }
 
 /// What has arrived.
@@ -74,36 +95,82 @@ struct State {
     received: u64,
     /// Slots of all frames.
     total: u64,
+    /// Cycles spent on the group in hand.
+    spent: u64,
+    /// The link, where it has a rate.
+    link: Option<Transfer>,
 }
 
 impl<C: Collect> HostPort<C> {
     /// The port's name.
     pub const NAME: &'static str = "host";
 
-    /// A port at which nothing has arrived: for each frame, its slots and what takes them.
-    pub fn new(frames: impl IntoIterator<Item = (u64, C)>) -> HostPort<C> {
-        let frames = frames.into_iter().map(|(slots, collector)| HostFrame { collector, slots }).collect();
-        HostPort { frames, state: State::default(), account: Account::default() }
+    /// A port at which nothing has arrived: for each frame, its registers and what takes its pixels.
+    pub fn new<'a>(machine: &MachineSpec, frames: impl IntoIterator<Item = (&'a FrameSetup, C)>) -> HostPort<C> {
+        let frame = |(setup, collector): (&FrameSetup, C)| {
+            let [slots, planes] = setup.geometry.slot_counts();
+            HostFrame {
+                collector,
+                slots: slots as u64 * planes as u64,
+                pixels: PixelCounts::new(&setup.geometry),
+                pixel_bytes: COMPONENTS * u64::from(setup.words.accumulator_bits.div_ceil(8)),
+            }
+        };
+        let link = machine.host_link.bytes_per_cycle.map(|rate| Transfer::new(ClockDomain::from_rate(rate)));
+        HostPort {
+            frames: frames.into_iter().map(frame).collect(),
+            state: State { link, ..State::default() },
+            account: Account::default(),
+        }
     }
 
     /// One cycle. `frames` are the registers of all frames.
     #[inline]
     pub fn tick(&mut self, frames: &[FrameSetup], pixels: &mut Channel<PixelGroup<C::Input>>) -> Activity {
-        let activity = match pixels.pop_slot() {
-            Some(group) => {
-                let frame = &mut self.frames[group.frame as usize];
-                frame.collector.collect(&frames[group.frame as usize], &group.data);
-                self.state.received += 1;
-                self.state.total += 1;
-                if self.state.received == frame.slots {
-                    self.state.received = 0;
-                    self.state.frame += 1;
-                }
-                Activity::Busy
-            }
-            None => Activity::Starved,
-        };
+        let activity = self.step(frames, pixels);
         self.account.record(activity)
+    }
+
+    #[inline]
+    fn step(&mut self, frames: &[FrameSetup], pixels: &mut Channel<PixelGroup<C::Input>>) -> Activity {
+        let Some(group) = pixels.front() else {
+            if let Some(link) = &mut self.state.link {
+                link.rest();
+            }
+            return Activity::Starved;
+        };
+        let frame = &mut self.frames[group.frame as usize];
+        let activity = if self.state.spent == 0 { Activity::Busy } else { Activity::Waiting(Reason::Host) };
+        if let Some(link) = &mut self.state.link {
+            let bytes = frame.pixels.of(group.plane as usize, group.slot as usize) * frame.pixel_bytes;
+            if !link.completes(bytes) {
+                link.carry();
+                self.state.spent += 1;
+                return activity;
+            }
+            link.finish(bytes);
+            self.state.spent = 0;
+        }
+        frame.collector.collect(&frames[group.frame as usize], &group.data);
+        pixels.pop_slot();
+        self.state.received += 1;
+        self.state.total += 1;
+        if self.state.received == frame.slots {
+            self.state.received = 0;
+            self.state.frame += 1;
+        }
+        activity
+    }
+
+    /// What has gone to the host.
+    pub fn counters(&self) -> HostCounters {
+        let mut counters = HostCounters::default();
+        for frame in &self.frames[..self.state.frame as usize] {
+            let pixels = frame.pixels.total();
+            counters.pixels += pixels;
+            counters.bytes += pixels * frame.pixel_bytes;
+        }
+        counters
     }
 
     /// Frames received whole.
@@ -140,6 +207,8 @@ impl<C: Archived> Archived for HostPort<C> {
         let HostPort { frames, state, account } = self;
         archive.item(state)?;
         archive.item(account)?;
-        frames.iter_mut().try_for_each(|HostFrame { collector, slots: _ }| collector.archive(archive))
+        frames
+            .iter_mut()
+            .try_for_each(|HostFrame { collector, slots: _, pixels: _, pixel_bytes: _ }| collector.archive(archive))
     }
 }

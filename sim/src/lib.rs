@@ -12,6 +12,7 @@ pub mod gradient_error;
 pub mod host_port;
 pub mod inputs;
 pub mod limits;
+pub mod links;
 pub mod machine;
 pub mod output;
 pub mod problem;

@@ -5,7 +5,8 @@
 //! ```
 
 use crate::fidelity::{Cycle, Fidelity, Timing};
-use crate::host_port::{Collector, HostPort, NoHost};
+use crate::host_port::{Collector, HostCounters, HostPort, NoHost};
+use crate::links::{RayWords, channels};
 use crate::trace::{Move, Observe, Token, TokenKind, Unobserved};
 use cube3_abc::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, Shader};
 use cube3_cfb::golden::Skew;
@@ -16,7 +17,7 @@ use cube3_channel::{
     Wait, diagnose,
 };
 use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelGroup, Reduce, Reducer};
-use cube3_dsb::bus::{Align, BusUnit, NoBus};
+use cube3_dsb::bus::{Align, BusCounters, BusUnit, NoBus};
 use cube3_dsb::{DsbSpec, DsbUnit, NoPlanes, PlaneStore, RayPair, Rotator, Store};
 use cube3_host::{AcquisitionMode, BasePlane, ChannelSize, FrameSetup, MachineSpec};
 use cube3_trilin::{Interpolate, Interpolator, NoSamples, SampleRay, TrilinSpec, TrilinUnit};
@@ -44,6 +45,8 @@ pub struct Joint {
 pub struct Machine<F: Fidelity> {
     frames: Vec<FrameSetup>,
     overlap: bool,
+    /// Words of a ray on the links between boards, for each frame.
+    ray_words: Vec<RayWords>,
     cfb: CfbUnit<F::Cfb>,
     bus: BusUnit<F::Bus>,
     dsb: DsbUnit<F::Dsb>,
@@ -93,6 +96,12 @@ pub struct RunCounters {
     pub units: Vec<(&'static str, Account)>,
     /// Each channel.
     pub channels: Vec<ChannelReading>,
+    /// Words on the bus and on the links between boards.
+    pub bus: BusCounters,
+    /// Words of rays on those links, in the frames that the host has received whole.
+    pub ray_words: RayWords,
+    /// Pixels and bytes to the host.
+    pub host: HostCounters,
 }
 
 /// A channel at the end of a run.
@@ -209,7 +218,7 @@ impl Machine<Cycle> {
         let parts = |setup: &FrameSetup| Parts {
             dsb: PlaneStore::new(&setup.geometry, lanes, machine.dsb.planes),
             trilin: Interpolator::new(setup, lanes),
-            abc: Shader::new(setup, lanes, true),
+            abc: Shader::new(setup, lanes, machine.abc.planes, true),
             host: Collector { base: BasePlane::empty(&setup.geometry, setup.words.accumulator_bits) },
         };
         Ok(Machine::assemble(machine, frames, memory, Rotator { lanes }, Reducer::default(), parts)?)
@@ -283,7 +292,7 @@ impl<F: Fidelity> Machine<F> {
         nodes: F::Cone,
         parts: impl Fn(&FrameSetup) -> Parts<F>,
     ) -> Result<Machine<F>, ChannelError> {
-        let sizes = &machine.channel;
+        let sizes = channels(machine);
         let [beams, aligned, rays, samples, shaded, pixels] = Self::JOINTS.map(|joint| joint.channel);
         let mut dsb = Vec::new();
         let mut trilin = Vec::new();
@@ -294,7 +303,7 @@ impl<F: Fidelity> Machine<F> {
             dsb.push((DsbSpec::new(machine, &setup.geometry), parts.dsb));
             trilin.push((TrilinSpec::new(machine, &setup.geometry), parts.trilin));
             abc.push((AbcSpec::new(machine, setup), parts.abc));
-            host.push((slots_of(setup), parts.host));
+            host.push((setup, parts.host));
         }
         let specs = frames.iter().map(|setup| CfbSpec::new(machine, &setup.geometry)).collect();
         let modules = frames.first().and_then(|setup| Modules::new(machine, setup.geometry.dims()));
@@ -305,7 +314,8 @@ impl<F: Fidelity> Machine<F> {
             trilin: TrilinUnit::new(trilin),
             abc: AbcUnit::new(abc),
             cone: ConeUnit::new(frames.iter().map(|setup| ConeSpec::new(machine, setup)).collect(), nodes),
-            host: HostPort::new(host),
+            host: HostPort::new(machine, host),
+            ray_words: frames.iter().map(|setup| RayWords::new(machine, setup)).collect(),
             beams: channel(beams, sizes.beams)?,
             aligned: channel(aligned, sizes.aligned)?,
             rays: channel(rays, sizes.rays)?,
@@ -459,6 +469,12 @@ impl<F: Fidelity> Machine<F> {
         diagnose(self.last_move, &waits)
     }
 
+    /// Words of the rays of the frames that the host has received whole.
+    fn ray_words_received(&self) -> RayWords {
+        let frames = self.frames.iter().zip(&self.ray_words).take(self.host.frames_done() as usize);
+        frames.map(|(setup, words)| words.times(slots_of(setup))).fold(RayWords::default(), RayWords::plus)
+    }
+
     /// The counters so far.
     pub fn counters(&self) -> RunCounters {
         let [write, read] = self.dsb.accounts();
@@ -482,6 +498,9 @@ impl<F: Fidelity> Machine<F> {
             steady_cycles: self.cfb.account().active().max(self.dsb.accounts()[1].active()),
             units,
             channels,
+            bus: self.bus.counters(),
+            ray_words: self.ray_words_received(),
+            host: self.host.counters(),
         }
     }
 }
@@ -491,6 +510,7 @@ impl<F: Fidelity> Archived for Machine<F> {
         let Machine {
             frames: _,
             overlap: _,
+            ray_words: _,
             cfb,
             bus,
             dsb,

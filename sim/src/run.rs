@@ -10,7 +10,7 @@ use crate::limits;
 use crate::machine::{Machine, Overflows, RunCounters};
 use crate::problem::{Outcome, Problem};
 use crate::progress::Progress;
-use crate::resources::resources;
+use crate::resources;
 use cube3_channel::Reason;
 use cube3_host::{BasePlane, Frame, ImagePlane, MachineSpec, RaySlots, TemplateRule, frame_setup, warp};
 use cube3_metrics::{Picture, compare, difference, footprint, suggested_factor};
@@ -207,15 +207,20 @@ impl Asked<'_> {
     /// The report of a run whose first frame is `frame`, checked.
     pub(crate) fn report(&self, frame: &Frame, run: &MachineRun, found: Found) -> Outcome<RunReport> {
         let &Asked { scene, machine, volume, options } = self;
-        let (limits, resources) = match &run.counters {
-            Some(counters) if found.sequence.is_none() => {
+        let mut interval = 0;
+        let (mut limits, mut resources) = (None, None);
+        if let Some(counters) = &run.counters {
+            let ends = &counters.frame_ends;
+            interval = match (ends.first(), ends.last()) {
+                (Some(first), Some(last)) if ends.len() > 1 => (last - first) / (ends.len() as u64 - 1),
+                _ => limits::frame_interval(machine, std::slice::from_ref(&frame.setup))?,
+            };
+            if found.sequence.is_none() {
                 let passes = std::slice::from_ref(&frame.setup);
-                let interval = limits::frame_interval(machine, passes)?;
-                let resources = resources(machine, volume.words.dims, passes, counters, interval);
-                (Some(limits::limits(machine, passes, interval)?), Some(resources))
+                limits = Some(limits::limits(machine, passes, interval)?);
+                resources = Some(resources::resources(machine, volume.words.dims, passes, counters, interval));
             }
-            _ => (None, None),
-        };
+        }
         let report = RunReport {
             schema: SCHEMA,
             program: Program { name: "cube3".into(), version: env!("CARGO_PKG_VERSION").into() },
@@ -240,6 +245,7 @@ impl Asked<'_> {
                     samples: found.samples,
                     ray_slots: counters.ray_slots,
                     fill_cycles: counters.cycles - counters.steady_cycles,
+                    frame_interval_cycles: interval,
                 }
                 .into()
             }),

@@ -1,8 +1,8 @@
 //! Random machines, scenes and volumes for the tests that cross crates.
 
 use cube3_host::{
-    Abc, Cfb, ChannelSize, Channels, Dsb, GradientMethod, MachineSpec, RaySlots, Rays, Reuse, ShadingUnit,
-    TemplateRule, Trilin, VolumeInfo,
+    Abc, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, GradientMethod, HostLink, MachineSpec,
+    RaySlots, Rays, Reuse, ShadingUnit, TemplateRule, Trilin, VolumeInfo,
 };
 use cube3_scene::{ColourPoint, Crop, Cut, DepthCue, Layer, Light, Material, Mode, Scene, Threshold, Transfer, View};
 use cube3_word::{Rounding, Words};
@@ -70,6 +70,51 @@ pub fn words() -> impl Strategy<Value = Words> {
     prop_oneof![1 => Just(Words::default()), 3 => any]
 }
 
+/// Buses, boards, cones, host links, ports and planes: the default half of the time, each, and anything that can run. Boards are a
+/// part of the lanes.
+fn fabrics() -> impl Strategy<Value = Fabric> {
+    let rate = || proptest::option::of(prop_oneof![0.05..3.0_f64, 3.0..200.0_f64]);
+    let bus = (any::<bool>(), proptest::option::of(1_usize..12), proptest::option::of(1e6..40e6_f64)).prop_map(
+        |(rotate, channels, clock_hz)| Bus {
+            kind: if rotate { BusKind::Rotate } else { BusKind::Gather },
+            channels,
+            clock_hz,
+        },
+    );
+    let boards = (prop_oneof![Just(0.0), 0.0..1.0_f64], rate(), 1_u64..4);
+    let cone = proptest::sample::select(ConeKind::ALL.to_vec()).prop_map(|kind| Cone { kind });
+    let host = rate().prop_map(|bytes_per_cycle| HostLink { bytes_per_cycle });
+    let bus = prop_oneof![Just(Bus::default()), bus];
+    let cone = prop_oneof![Just(Cone::default()), cone];
+    (bus, boards, cone, host, 1_usize..=2, 3_usize..7).prop_map(
+        |(bus, (boards, link_rate, link_latency), cone, host_link, ports, planes)| Fabric {
+            bus,
+            boards,
+            link_rate,
+            link_latency,
+            cone,
+            host_link,
+            ports,
+            planes,
+        },
+    )
+}
+
+/// What [`fabrics`] gives.
+#[derive(Clone, Copy, Debug)]
+struct Fabric {
+    bus: Bus,
+    /// Boards as a part of the lanes, 0 for one board.
+    boards: f64,
+    link_rate: Option<f64>,
+    link_latency: u64,
+    cone: Cone,
+    host_link: HostLink,
+    ports: usize,
+    /// Planes of samples.
+    planes: usize,
+}
+
 /// Machines of every kind that can run, with 1 to 9 lanes.
 pub fn machines() -> impl Strategy<Value = MachineSpec> {
     let methods = proptest::sample::select(GradientMethod::ALL.map(|(method, _)| method).to_vec());
@@ -83,8 +128,8 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
         proptest::sample::select(Reuse::ALL.to_vec()),
         any::<bool>(),
     );
-    (words(), methods, channels, rays, rest).prop_map(
-        |(words, gradient, channels, (padded, plane, offset), (lanes, skew, planes, reuse, table))| {
+    (words(), methods, channels, rays, rest, fabrics()).prop_map(
+        |(words, gradient, channels, (padded, plane, offset), (lanes, skew, planes, reuse, table), fabric)| {
             let [beams, aligned, rays, samples, shaded, pixels] = channels;
             MachineSpec {
                 lanes,
@@ -95,7 +140,13 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
                     offset,
                 },
                 cfb: Cfb { skew, ..Cfb::default() },
-                dsb: Dsb { planes, ..Dsb::default() },
+                bus: fabric.bus,
+                boards: Boards {
+                    count: 1 + (fabric.boards * lanes as f64) as usize,
+                    link_words_per_cycle: fabric.link_rate,
+                    link_latency_cycles: fabric.link_latency,
+                },
+                dsb: Dsb { planes, ports: fabric.ports },
                 trilin: Trilin { reuse },
                 abc: Abc {
                     gradient,
@@ -103,8 +154,10 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
                     power_bits: 10.min(words.normal_bits - 1),
                     root_bits: 6,
                     reflectance_bits: 3,
-                    planes: 4,
+                    planes: fabric.planes,
                 },
+                cone: fabric.cone,
+                host_link: fabric.host_link,
                 channel: Channels { beams, aligned, rays, samples, shaded, pixels },
                 ..MachineSpec::default()
             }

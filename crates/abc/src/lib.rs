@@ -11,4 +11,4 @@ pub mod golden;
 pub mod lanes;
 mod unit;
 
-pub use unit::{AbcSpec, AbcUnit, NoShading, RING, Shade, ShadedRay, ShadedSamples, Shader};
+pub use unit::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, ShadedSamples, Shader, reach};

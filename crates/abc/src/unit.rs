@@ -16,9 +16,6 @@ use cube3_trilin::{RaySamples, SampleRay};
 use cube3_word::vectorised;
 use serde::{Deserialize, Serialize};
 
-/// Planes in the ring: above, current, below, and the one that comes in.
-pub const RING: usize = 4;
-
 /// A slot of coloured samples.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ShadedRay<D> {
@@ -88,15 +85,15 @@ pub struct Shader {
 }
 
 impl Shader {
-    /// Units for a frame. With `skip`, transparent stretches are not shaded, which changes no bit.
-    pub fn new(setup: &FrameSetup, lanes: usize, skip: bool) -> Shader {
+    /// Units for a frame with a ring of `ring` planes. With `skip`, transparent stretches are not shaded, which changes no bit.
+    pub fn new(setup: &FrameSetup, lanes: usize, ring: usize, skip: bool) -> Shader {
         let [slots, planes] = setup.geometry.slot_counts();
         let empty: Plane = vec![Vec::new(); slots];
         let kept = if setup.geometry.closes()[1] { planes.min(2) } else { 0 };
         Shader {
             lanes,
             arithmetic: AbcLanes::new(setup, skip),
-            ring: vec![empty.clone(); RING],
+            ring: vec![empty.clone(); ring],
             first: vec![empty; kept],
             around: vec![Vec::new(); 27],
             row: ShadedRow::default(),
@@ -110,7 +107,7 @@ impl Shader {
     }
 
     fn samples(&self, plane: usize, slot: usize) -> &[i32] {
-        self.first.get(plane).unwrap_or(&self.ring[plane % RING])[slot].as_slice()
+        self.first.get(plane).unwrap_or(&self.ring[plane % self.ring.len()])[slot].as_slice()
     }
 
     /// Fills one of the 27 neighbour rays: the samples at displacement (u, v, w), or the border.
@@ -145,6 +142,13 @@ fn reads(method: GradientMethod, by: [i64; 3]) -> bool {
     }
 }
 
+/// How many lanes away the samples are that a gradient method reads: a step along u and one along w are a lane each.
+pub fn reach(method: GradientMethod) -> usize {
+    let steps = [-1_i64, 0, 1];
+    let all = steps.into_iter().flat_map(|u| steps.into_iter().flat_map(move |v| steps.map(|w| [u, v, w])));
+    all.filter(|by| reads(method, *by)).map(|by| (by[0] + by[2]).unsigned_abs() as usize).max().unwrap_or(0)
+}
+
 impl Shade for Shader {
     type Input = RaySamples;
     type Output = ShadedSamples;
@@ -152,11 +156,12 @@ impl Shade for Shader {
     fn take(&mut self, setup: &FrameSetup, ray: &mut SampleRay<RaySamples>) {
         let (plane, slot) = (ray.plane as usize, ray.slot as usize);
         let (lanes, depths) = (self.lanes, setup.geometry.size[2]);
-        let place = &mut self.ring[plane % RING][slot];
+        let held = plane % self.ring.len();
+        let place = &mut self.ring[held][slot];
         place.clear();
         place.extend((0..depths).map(|k| ray.data.samples[ray_lane(lanes, slot, k)]));
         if let Some(kept) = self.first.get_mut(plane) {
-            kept[slot].clone_from(&self.ring[plane % RING][slot]);
+            kept[slot].clone_from(&self.ring[held][slot]);
         }
     }
 
@@ -226,6 +231,8 @@ pub struct AbcSpec {
     pub closes: [bool; 2],
     /// Whether rays wait for their neighbours at all.
     pub buffered: bool,
+    /// Planes of samples in the ring: above, current, below, and those that come in.
+    pub ring: u64,
 }
 
 impl AbcSpec {
@@ -238,6 +245,7 @@ impl AbcSpec {
             planes: planes as u64,
             closes: setup.geometry.closes(),
             buffered: setup.gradient.is_some(),
+            ring: machine.abc.planes as u64,
         }
     }
 
@@ -374,9 +382,9 @@ impl<A: Shade> AbcUnit<A> {
         };
         let oldest = spec.oldest(self.state.given);
         if frame == self.state.frame {
-            return plane < oldest + RING as u64;
+            return plane < oldest + spec.ring;
         }
-        frame == self.state.frame + 1 && spec.planes - oldest + plane < RING as u64
+        frame == self.state.frame + 1 && spec.planes - oldest + plane < spec.ring
     }
 
     #[inline]
@@ -417,13 +425,20 @@ impl<A: Shade> AbcUnit<A> {
     /// What stops the unit inside, when nothing moves.
     pub fn inner_wait(&self, samples: &Channel<SampleRay<A::Input>>) -> Option<Wait> {
         let ray = samples.front()?;
-        (!self.has_buffer(ray.frame, u64::from(ray.plane))).then(|| Wait {
+        if self.has_buffer(ray.frame, u64::from(ray.plane)) {
+            return None;
+        }
+        let AbcFrame { spec, base, .. } = self.frames.get(self.state.frame as usize)?;
+        let [plane, slot] = spec.order(self.state.given);
+        // Where the next ray to be given still lacks a neighbour, the unit waits for itself: the ring is too small.
+        let lacks = self.state.taken < base + spec.needed(plane, slot);
+        Some(Wait {
             unit: Self::NAME,
             port: "sample planes".into(),
             state: PortState::Full,
-            occupancy: RING,
-            capacity: RING,
-            upon: "cone",
+            occupancy: spec.ring as usize,
+            capacity: spec.ring as usize,
+            upon: if lacks { Self::NAME } else { "cone" },
         })
     }
 

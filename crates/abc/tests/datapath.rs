@@ -80,7 +80,7 @@ proptest! {
         }
         let machine = MachineSpec { lanes, ..MachineSpec::default() };
         let spec = AbcSpec::new(&machine, &setup);
-        let mut unit = AbcUnit::new([(spec, Shader::new(&setup, lanes, skip))]);
+        let mut unit = AbcUnit::new([(spec, Shader::new(&setup, lanes, machine.abc.planes, skip))]);
         let mut samples = Channel::<SampleRay<RaySamples>>::new("samples", 2, 1).unwrap();
         let mut shaded = Channel::<ShadedRay<ShadedSamples>>::new("shaded", 2, 1).unwrap();
         let total = spec.slots * spec.planes;

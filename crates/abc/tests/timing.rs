@@ -2,11 +2,11 @@
 //!
 //! A ray takes ⌈n_w / lanes⌉ cycles. With a gradient it leaves when the ray below and to the right has come: a plane and a ray
 //! later, and where slots close, the first of each plane and the first plane come last. Without one it leaves as it
-//! comes. The ring holds four planes.
+//! comes. The ring holds `abc.planes` planes: four by default, three at least with a gradient.
 
 mod registers;
 
-use cube3_abc::{AbcSpec, AbcUnit, NoShading, RING, ShadedRay};
+use cube3_abc::{AbcSpec, AbcUnit, NoShading, ShadedRay};
 use cube3_channel::{Account, Channel};
 use cube3_host::FrameSetup;
 use cube3_trilin::SampleRay;
@@ -23,6 +23,7 @@ fn specs() -> impl Iterator<Item = AbcSpec> {
                     planes,
                     closes,
                     buffered,
+                    ring: 4,
                 })
             })
         })
@@ -131,7 +132,7 @@ fn no_shape_of_frame_gets_stuck_with_four_planes() {
 fn without_a_gradient_a_ray_leaves_as_it_comes() {
     let setup = setup();
     for ray_cycles in 1..5 {
-        let spec = AbcSpec { ray_cycles, slots: 4, planes: 3, closes: [true; 2], buffered: false };
+        let spec = AbcSpec { ray_cycles, slots: 4, planes: 3, closes: [true; 2], buffered: false, ring: 4 };
         let left = run(&setup, spec, 1, 2, |_| true).left;
         for (e, (cycle, _)) in left.into_iter().enumerate() {
             // It is at the input in cycle 1, taken after ray_cycles, given after as many, the two at once.
@@ -146,7 +147,7 @@ fn the_first_ray_leaves_a_plane_and_a_ray_later_and_not_a_cycle_earlier() {
     for slots in 1..7 {
         for planes in 1..6 {
             for (closes, buffered) in [([false; 2], true), ([true; 2], true), ([false; 2], false)] {
-                let spec = AbcSpec { ray_cycles: 1, slots, planes, closes, buffered };
+                let spec = AbcSpec { ray_cycles: 1, slots, planes, closes, buffered, ring: 4 };
                 let result = run(&setup, spec, 1, 2, |_| true);
                 let [plane, slot] = spec.order(0);
                 // Ray number m (from 0) is at the input in cycle m + 1, and given in the cycle in which it is taken.
@@ -168,7 +169,7 @@ fn rays_leave_at_the_rate_of_the_lanes() {
     let setup = setup();
     for ray_cycles in 1..5 {
         for closes in [[false; 2], [true; 2]] {
-            let spec = AbcSpec { ray_cycles, slots: 6, planes: 5, closes, buffered: true };
+            let spec = AbcSpec { ray_cycles, slots: 6, planes: 5, closes, buffered: true, ring: 4 };
             let result = run(&setup, spec, 1, 2, |_| true);
             let steady = result.left.windows(2).all(|pair| pair[1].0 - pair[0].0 >= ray_cycles);
             assert!(steady, "{ray_cycles}: {:?}", result.left);
@@ -183,7 +184,7 @@ fn rays_leave_at_the_rate_of_the_lanes() {
 fn a_frame_that_never_stalls_takes_its_rays_and_its_fill() {
     let setup = setup();
     for (slots, planes) in [(5, 5), (1, 4), (7, 1), (2, 2)] {
-        let spec = AbcSpec { ray_cycles: 1, slots, planes, closes: [false; 2], buffered: true };
+        let spec = AbcSpec { ray_cycles: 1, slots, planes, closes: [false; 2], buffered: true, ring: 4 };
         let result = run(&setup, spec, 1, 2, |_| true);
         // The first cycle has no ray yet; then one is taken or given in every cycle.
         let needed = spec.needed(0, 0);
@@ -195,7 +196,7 @@ fn a_frame_that_never_stalls_takes_its_rays_and_its_fill() {
 #[test]
 fn a_unit_without_rays_is_starved_and_one_without_room_blocked() {
     let setup = setup();
-    let spec = AbcSpec { ray_cycles: 1, slots: 3, planes: 2, closes: [false; 2], buffered: false };
+    let spec = AbcSpec { ray_cycles: 1, slots: 3, planes: 2, closes: [false; 2], buffered: false, ring: 4 };
     let slow = run(&setup, spec, 10, 2, |_| true);
     // Ray m comes in cycle 10·m + 1: 6 cycles of work in 52.
     assert_eq!(slow.account, Account { busy: 6, starved: 46, ..Account::default() });
@@ -212,7 +213,7 @@ fn a_unit_without_rays_is_starved_and_one_without_room_blocked() {
 #[test]
 fn a_full_ring_stops_the_input_and_says_so() {
     let setup = setup();
-    let spec = AbcSpec { ray_cycles: 1, slots: 2, planes: 9, closes: [false; 2], buffered: true };
+    let spec = AbcSpec { ray_cycles: 1, slots: 2, planes: 9, closes: [false; 2], buffered: true, ring: 4 };
     let mut unit = AbcUnit::new([(spec, NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 1, 1).unwrap();
@@ -225,13 +226,13 @@ fn a_full_ring_stops_the_input_and_says_so() {
         let moved = unit.tick(std::slice::from_ref(&setup), &mut samples, &mut shaded).is_active();
         samples.commit();
         shaded.commit();
-        // Nothing leaves: the ray of plane RING is the first that does not fit.
-        assert_eq!(moved, (1..=2 * RING).contains(&cycle), "cycle {cycle}");
-        assert_eq!(unit.inner_wait(&samples).is_some(), cycle >= 2 * RING);
+        // Nothing leaves: the ray of plane 4 is the first that does not fit.
+        assert_eq!(moved, (1..=8).contains(&cycle), "cycle {cycle}");
+        assert_eq!(unit.inner_wait(&samples).is_some(), cycle >= 8);
     }
-    assert_eq!(samples.counters().pops, 2 * RING as u64);
+    assert_eq!(samples.counters().pops, 8);
     let wait = unit.inner_wait(&samples).unwrap();
-    assert_eq!((wait.unit, wait.occupancy, wait.capacity, wait.upon), ("abc", RING, RING, "cone"));
+    assert_eq!((wait.unit, wait.occupancy, wait.capacity, wait.upon), ("abc", 4, 4, "cone"));
     // Plane 4 takes the buffer of plane 0 when plane 1, which needs it above, has been given.
     while unit.inner_wait(&samples).is_some() {
         assert!(shaded.counters().pushes < 4);
@@ -242,4 +243,69 @@ fn a_full_ring_stops_the_input_and_says_so() {
         shaded.commit();
     }
     assert_eq!(shaded.counters().pushes, 4);
+}
+
+#[test]
+fn with_three_planes_the_input_waits_for_the_end_of_a_plane_and_with_more_it_does_not() {
+    let setup = setup();
+    let (slots, planes) = (6, 8);
+    let cycles = |ring: u64, every: u64| {
+        let spec = AbcSpec { ray_cycles: 1, slots, planes, closes: [false; 2], buffered: true, ring };
+        run(&setup, spec, every, 2, |_| true).cycles
+    };
+    // One cycle before the first ray is there, its neighbours a plane and a ray later, and then a ray a cycle.
+    let free = 1 + slots + 1 + slots * planes;
+    assert_eq!([4, 5, 64].map(|ring| cycles(ring, 1)), [free; 3]);
+    // The first ray of plane i + 2 takes the buffer of plane i − 1 from the cycle on after the last ray of plane i has been given,
+    // which leaves one cycle after the last ray of plane i + 1 has come.
+    assert_eq!(cycles(3, 1), free + THREE_PLANES_COST * (planes - 3));
+    // Without a gradient nothing waits, with one plane or many.
+    for ring in 1..5 {
+        let spec = AbcSpec { ray_cycles: 1, slots, planes, closes: [true; 2], buffered: false, ring };
+        assert_eq!(run(&setup, spec, 1, 2, |_| true).cycles, 1 + slots * planes);
+    }
+}
+
+/// Cycles that a ring of three costs for each plane that comes in while one is being shaded.
+const THREE_PLANES_COST: u64 = 1;
+
+#[test]
+fn no_shape_of_frame_gets_stuck_with_three_planes() {
+    let setup = setup();
+    for spec in specs() {
+        for ray_cycles in [1, 3] {
+            let spec = AbcSpec { ray_cycles, ring: 3, ..spec };
+            run(&setup, spec, 1, 2, |_| true);
+            run(&setup, spec, 1, 1, |now| now % 7 == 0);
+        }
+    }
+}
+
+#[test]
+fn with_two_planes_the_unit_waits_for_itself_and_says_so() {
+    let setup = setup();
+    let spec = AbcSpec { ray_cycles: 1, slots: 3, planes: 5, closes: [false; 2], buffered: true, ring: 2 };
+    let mut unit = AbcUnit::new([(spec, NoShading)]);
+    let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
+    let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 2, 1).unwrap();
+    let mut offered = 0_u32;
+    for _ in 0..60 {
+        if let Some(ray) = samples.push_slot() {
+            (ray.plane, ray.slot) = (offered / 3, offered % 3);
+            offered += 1;
+        }
+        unit.tick(std::slice::from_ref(&setup), &mut samples, &mut shaded);
+        shaded.pop();
+        samples.commit();
+        shaded.commit();
+    }
+    // Plane 0 is given, plane 1 lacks the plane below, and its buffer is taken by the one above.
+    assert_eq!(shaded.counters().pushes, 3);
+    let wait = unit.inner_wait(&samples).unwrap();
+    assert_eq!((wait.upon, wait.occupancy, wait.capacity), ("abc", 2, 2));
+    let text = cube3_channel::diagnose(9, &[wait]).to_string();
+    assert_eq!(
+        text,
+        "nothing can move after cycle 9: abc waits for abc: sample planes is full (2 of 2); which closes the circle"
+    );
 }

@@ -115,6 +115,13 @@ impl<T> Channel<T> {
     /// The place of a new token, which holds an old one whose memory can be used again.
     #[inline]
     pub fn push_slot(&mut self) -> Option<&mut T> {
+        self.push_slot_later(0)
+    }
+
+    /// The same for a token that takes `extra` cycles more than the channel's latency. Tokens stay in order: one behind it that
+    /// takes less waits for it.
+    #[inline]
+    pub fn push_slot_later(&mut self, extra: u64) -> Option<&mut T> {
         if !self.can_push() {
             return None;
         }
@@ -122,7 +129,7 @@ impl<T> Channel<T> {
         self.counters.pushes += 1;
         let place = (self.head + self.len) & self.mask;
         self.len += 1;
-        self.ready[place] = self.now + self.latency;
+        self.ready[place] = self.now + self.latency + extra;
         Some(&mut self.slots[place])
     }
 
@@ -243,6 +250,22 @@ mod tests {
             }
             assert_eq!(channel.pop(), Some(7));
         }
+    }
+
+    #[test]
+    fn a_token_that_takes_longer_keeps_its_place() {
+        let mut channel = Channel::new("c", 4, 2).unwrap();
+        *channel.push_slot_later(3).unwrap() = 1;
+        channel.commit();
+        channel.push(2).unwrap();
+        for _ in 1..5 {
+            assert_eq!(channel.front(), None);
+            assert!(channel.in_flight());
+            channel.commit();
+        }
+        assert_eq!(channel.pop(), Some(1));
+        channel.commit();
+        assert_eq!(channel.pop(), Some(2), "it has arrived long ago");
     }
 
     #[test]

@@ -15,6 +15,7 @@ mod archive;
 mod channel;
 mod clock;
 mod stall;
+mod transfer;
 mod unit;
 
 pub use account::{Account, Activity, Reason};
@@ -22,4 +23,5 @@ pub use archive::{Archive, ArchiveError, Archived, Payload};
 pub use channel::{Channel, ChannelCounters, ChannelError};
 pub use clock::ClockDomain;
 pub use stall::{Deadlock, PortState, Wait, diagnose};
+pub use transfer::Transfer;
 pub use unit::{Pipe, Unit};

@@ -1,7 +1,7 @@
 //! A leaf, a node and a whole ray of the cone. The definition.
 
 use cube3_abc::golden::{Counted, Shaded};
-use cube3_host::ConeRegisters;
+use cube3_host::{ConeOrder, ConeRegisters};
 use cube3_scene::Mode;
 use cube3_word::{Words, unit_full, unit_mul, unit_resize};
 
@@ -70,9 +70,22 @@ pub fn combine(mode: Mode, left: Node, right: Node, words: &Words) -> Node {
     }
 }
 
-/// A ray: trees over chunks of the cone's leaves, whose results are combined in order. In a tree, neighbours are
-/// paired level by level from the front; one without a neighbour passes.
+/// A ray, in the order of the cone's nodes.
 pub fn reduce(leaves: &[Node], cone: &ConeRegisters, words: &Words) -> Node {
+    match cone.order {
+        ConeOrder::Tree => tree(leaves, cone, words),
+        ConeOrder::FrontToBack => front_to_back(leaves, cone, words),
+    }
+}
+
+/// A ray in a chain of nodes or in one accumulator: each sample is put behind all before it.
+pub fn front_to_back(leaves: &[Node], cone: &ConeRegisters, words: &Words) -> Node {
+    leaves.iter().fold(Node::default(), |sum, leaf| combine(cone.mode, sum, *leaf, words))
+}
+
+/// A ray in a tree: trees over chunks of the cone's leaves, whose results are combined in order. In a tree, neighbours are
+/// paired level by level from the front; one without a neighbour passes.
+pub fn tree(leaves: &[Node], cone: &ConeRegisters, words: &Words) -> Node {
     let tree = |chunk: &[Node]| {
         let mut level = chunk.to_vec();
         while level.len() > 1 {

@@ -2,7 +2,7 @@
 
 use crate::golden::{Node, combine};
 use cube3_abc::lanes::ShadedRow;
-use cube3_host::{ConeRegisters, DiscreteRay};
+use cube3_host::{ConeOrder, ConeRegisters, DiscreteRay};
 use cube3_scene::Mode;
 use cube3_word::{Rounding, Words, unit_full};
 
@@ -49,6 +49,18 @@ pub fn circle(count: usize, start: usize, of: impl Fn(usize) -> Segment, mode: M
         }
         counts.truncate(nodes.div_ceil(2));
         segments.truncate(written);
+    }
+    segments
+}
+
+/// The same front to back, for a chain or an accumulator: `of(depth)` is the sample at a depth.
+pub fn in_order(depths: usize, of: impl Fn(usize) -> Segment, mode: Mode, words: &Words) -> Vec<Segment> {
+    let mut segments: Vec<Segment> = Vec::new();
+    for next in (0..depths).map(of) {
+        match segments.last_mut().filter(|last| last.ray == next.ray) {
+            Some(last) => last.node = combine(mode, last.node, next.node, words),
+            None => segments.push(next),
+        }
     }
     segments
 }
@@ -172,6 +184,8 @@ pub struct ConeLanes<T> {
     stack: Vec<(u32, RowNode<T>)>,
     sum: RowNode<T>,
     in_chunk: usize,
+    /// Depths of a chunk: the leaves of a tree, one front to back.
+    chunk: usize,
     pool: Vec<RowNode<T>>,
 }
 
@@ -185,6 +199,10 @@ impl<T: Accumulator> ConeLanes<T> {
             stack: Vec::new(),
             sum: RowNode { start: 0, rgba: Default::default(), sample: Vec::new() },
             in_chunk: 0,
+            chunk: match cone.order {
+                ConeOrder::Tree => cone.leaves,
+                ConeOrder::FrontToBack => 1,
+            },
             pool: Vec::new(),
         }
     }
@@ -212,7 +230,7 @@ impl<T: Accumulator> ConeLanes<T> {
         }
         self.stack.push((level, node));
         self.in_chunk += 1;
-        if self.in_chunk == self.cone.leaves {
+        if self.in_chunk == self.chunk {
             self.end_chunk();
         }
     }

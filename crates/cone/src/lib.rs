@@ -1,4 +1,4 @@
-//! Ray projection cone: the samples of a ray to a pixel, by a folded binary tree.
+//! Ray projection cone: the samples of a ray to a pixel, by a folded binary tree, or by one of the other ways to join nodes.
 //!
 //! ```text
 //!   [shaded] ──► leaves ──► log₂ n levels of nodes, segmented, from any leaf in a circle ──► [pixels]
@@ -7,6 +7,10 @@
 
 pub mod golden;
 pub mod lanes;
+mod segments;
+mod spec;
 mod unit;
 
-pub use unit::{ConeSpec, ConeUnit, NoPixels, Pixel, PixelGroup, Pixels, Reduce, Reducer};
+pub use segments::PixelCounts;
+pub use spec::ConeSpec;
+pub use unit::{ConeUnit, NoPixels, Pixel, PixelGroup, Pixels, Reduce, Reducer};

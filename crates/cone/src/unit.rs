@@ -2,15 +2,17 @@
 //!
 //! ```text
 //!   [shaded] ──► folded tree ──► accumulator over chunks ──► [pixels]
+//!            or  shifter ──► tree ──► accumulator, a chain, an accumulator alone
 //! ```
 //! A slot that several rays share gives several pixels at once.
 
+use crate::ConeSpec;
 use crate::golden::{Node, leaf, pixel};
-use crate::lanes::{Segment, circle, join};
+use crate::lanes::{Segment, circle, in_order, join};
 use cube3_abc::{ShadedRay, ShadedSamples};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
 use cube3_dsb::golden::ray_lane;
-use cube3_host::{DiscreteRay, FrameSetup, MachineSpec};
+use cube3_host::{ConeOrder, DiscreteRay, FrameSetup};
 use serde::{Deserialize, Serialize};
 
 /// A pixel of the base plane.
@@ -87,28 +89,14 @@ impl Reduce for Reducer {
 
     fn reduce(&mut self, setup: &FrameSetup, plane: usize, slot: usize, input: &ShadedSamples, output: &mut Pixels) {
         let (cone, words, geometry) = (&setup.cone, &setup.words, &setup.geometry);
-        let depths = geometry.size[2];
-        let mut rays: Vec<Segment> = Vec::new();
-        for chunk in (0..depths).step_by(cone.leaves) {
-            // Leaf `place` of the circle has the depth that is skewed to it; places beyond the ray have nothing.
-            let start = slot % cone.leaves;
-            let of = |place: usize| {
-                let depth = chunk + (place + cone.leaves - start) % cone.leaves;
-                if depth < depths {
-                    let shaded = &input.0[ray_lane(cone.leaves, slot, depth)];
-                    Segment { ray: geometry.ray_in_slot(plane, slot, depth), node: leaf(shaded, cone, words) }
-                } else {
-                    let ray = geometry.ray_in_slot(plane, slot, depths - 1);
-                    Segment { ray, node: Node::default() }
-                }
-            };
-            let part = circle(cone.leaves, start, of, cone.mode, words);
-            if rays.is_empty() {
-                rays = part;
-            } else {
-                join(&mut rays, part, cone.mode, words);
-            }
-        }
+        let at = |depth: usize| {
+            let shaded = &input.0[ray_lane(cone.leaves, slot, depth)];
+            Segment { ray: geometry.ray_in_slot(plane, slot, depth), node: leaf(shaded, cone, words) }
+        };
+        let rays = match cone.order {
+            ConeOrder::Tree => tree(setup, geometry.ray_in_slot(plane, slot, geometry.size[2] - 1), slot, at),
+            ConeOrder::FrontToBack => in_order(geometry.size[2], at, cone.mode, words),
+        };
         output.0.clear();
         for segment in rays {
             let counted = pixel(segment.node, cone, words);
@@ -118,18 +106,26 @@ impl Reduce for Reducer {
     }
 }
 
-/// Data sheet of the cone for one frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ConeSpec {
-    /// Cycles of a ray: ⌈n_w / lanes⌉.
-    pub ray_cycles: u64,
-}
-
-impl ConeSpec {
-    /// The data sheet for a machine and the registers of a frame.
-    pub fn new(machine: &MachineSpec, setup: &FrameSetup) -> ConeSpec {
-        ConeSpec { ray_cycles: setup.geometry.size[2].div_ceil(machine.lanes) as u64 }
+/// The chunks of a slot through the circle of leaves; `last` is the ray at its last depth, `at(depth)` the sample at a depth.
+fn tree(setup: &FrameSetup, last: DiscreteRay, slot: usize, at: impl Fn(usize) -> Segment) -> Vec<Segment> {
+    let (cone, words) = (&setup.cone, &setup.words);
+    let depths = setup.geometry.size[2];
+    let mut rays: Vec<Segment> = Vec::new();
+    for chunk in (0..depths).step_by(cone.leaves) {
+        // Leaf `place` of the circle has the depth that is skewed to it; places beyond the ray have nothing.
+        let start = slot % cone.leaves;
+        let of = |place: usize| {
+            let depth = chunk + (place + cone.leaves - start) % cone.leaves;
+            if depth < depths { at(depth) } else { Segment { ray: last, node: Node::default() } }
+        };
+        let part = circle(cone.leaves, start, of, cone.mode, words);
+        if rays.is_empty() {
+            rays = part;
+        } else {
+            join(&mut rays, part, cone.mode, words);
+        }
     }
+    rays
 }
 
 /// The cone unit.
@@ -184,7 +180,7 @@ impl<R: Reduce> ConeUnit<R> {
             self.state.spent += 1;
             return Activity::Busy;
         }
-        let Some(output) = pixels.push_slot() else {
+        let Some(output) = pixels.push_slot_later(self.specs[frame].extra_latency()) else {
             return Activity::Blocked;
         };
         output.frame = ray.frame;

@@ -2,7 +2,7 @@
 
 use cube3_cone::golden::{Node, reduce};
 use cube3_cone::lanes::{Segment, circle, join};
-use cube3_host::{ConeRegisters, DiscreteRay};
+use cube3_host::{ConeOrder, ConeRegisters, DiscreteRay};
 use cube3_scene::Mode;
 use cube3_word::{Rounding, Words, unit_full, unit_mul};
 use proptest::prelude::*;
@@ -39,7 +39,7 @@ proptest! {
         // The ray of a depth: one more behind each seam.
         let of = |depth: usize| seams.iter().filter(|&&seam| seam <= depth).count();
         for mode in Mode::ALL {
-            let cone = ConeRegisters { mode, leaves: count, opaque: 1, sum_weight: 0 };
+            let cone = ConeRegisters { mode, order: ConeOrder::Tree, leaves: count, opaque: 1, sum_weight: 0 };
             let rays: std::collections::BTreeSet<usize> = (0..count).map(of).collect();
             let expected: Vec<Segment> = rays
                 .into_iter()

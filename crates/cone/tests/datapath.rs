@@ -6,7 +6,9 @@ use cube3_channel::Channel;
 use cube3_cone::golden::{Node, leaf, pixel, reduce};
 use cube3_cone::{ConeSpec, ConeUnit, PixelGroup, Pixels, Reducer};
 use cube3_dsb::golden::ray_lane;
-use cube3_host::{DiscreteRay, FrameSetup, MachineSpec, RaySlots, Rays, TemplateRule, VolumeInfo, frame_setup};
+use cube3_host::{
+    Cone, ConeKind, DiscreteRay, FrameSetup, MachineSpec, RaySlots, Rays, TemplateRule, VolumeInfo, frame_setup,
+};
 use cube3_scene::{Mode, Scene, View};
 use cube3_word::{Rounding, Words, unit_full};
 use proptest::prelude::*;
@@ -58,7 +60,7 @@ proptest! {
     #[test]
     fn every_pixel_has_the_golden_bits(
         dims in prop::array::uniform3(1_usize..9), direction in prop::array::uniform3(prop_oneof![Just(1.0), Just(0.0), -1.0..1.0_f64]),
-        padded: bool, plane_floor: bool, lanes in 1_usize..14, seed: u64, mode in 0_usize..6,
+        padded: bool, plane_floor: bool, lanes in 1_usize..14, seed: u64, mode in 0_usize..6, kind in 0_usize..4,
         bits in (1_u32..=16, 1_u32..=16, 1_u32..=32), truncate: bool,
     ) {
         prop_assume!(direction.iter().any(|x| x.abs() > 0.01));
@@ -70,7 +72,8 @@ proptest! {
             template: if plane_floor { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
             offset: 0.5,
         };
-        let machine = MachineSpec { words, rays, lanes, ..MachineSpec::default() };
+        let cone = Cone { kind: ConeKind::ALL[kind] };
+        let machine = MachineSpec { words, rays, lanes, cone, ..MachineSpec::default() };
         let view = View::from_direction(direction, None);
         let scene = Scene { view, mode: Mode::ALL[mode], ..Scene::default() };
         let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };

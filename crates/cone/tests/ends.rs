@@ -3,7 +3,7 @@
 
 use cube3_abc::golden::Shaded;
 use cube3_cone::golden::{Node, combine, leaf, pixel, reduce};
-use cube3_host::ConeRegisters;
+use cube3_host::{ConeOrder, ConeRegisters};
 use cube3_scene::Mode;
 use cube3_word::{Rounding, Words, quantise_unit, unit_full};
 use proptest::prelude::*;
@@ -80,7 +80,8 @@ fn leaves_are_exact_at_their_ends_and_no_brighter_than_opaque() {
     for (opacity_bits, colour_bits, bits) in [(1, 1, 1), (3, 4, 5), (4, 3, 2), (5, 5, 5), (2, 6, 32), (4, 4, 16)] {
         for rounding in ROUNDINGS {
             let words = Words { opacity_bits, colour_bits, ..words(bits, rounding) };
-            let cone = ConeRegisters { mode: Mode::Composite, leaves: 1, opaque: 1, sum_weight: 0 };
+            let cone =
+                ConeRegisters { mode: Mode::Composite, order: ConeOrder::Tree, leaves: 1, opaque: 1, sum_weight: 0 };
             for opacity in 0..=unit_full(opacity_bits) {
                 for colour in 0..=unit_full(colour_bits) {
                     let shaded =
@@ -106,7 +107,7 @@ fn a_weighted_sum_is_the_mean_by_its_weight_and_is_held_at_white() {
     let words = Words { opacity_bits: 8, colour_bits: 8, ..words(8, Rounding::Nearest) };
     let sample = |opacity, red| Shaded { present: true, sample: 1, opacity, colour: [red, 255, 0] };
     let of = |sum_weight, samples: &[Shaded]| {
-        let cone = ConeRegisters { mode: Mode::WeightedSum, leaves: 2, opaque: 1, sum_weight };
+        let cone = ConeRegisters { mode: Mode::WeightedSum, order: ConeOrder::Tree, leaves: 2, opaque: 1, sum_weight };
         let leaves: Vec<Node> = samples.iter().map(|sample| leaf(sample, &cone, &words)).collect();
         let counted = pixel(reduce(&leaves, &cone, &words), &cone, &words);
         (counted.value, counted.overflows)
@@ -134,7 +135,7 @@ fn each_mode_picks_its_sample() {
         (Mode::Minimum, [50, 0, 0, 255]),
     ] {
         for leaves in 1..8 {
-            let cone = ConeRegisters { mode, leaves, opaque: 128, sum_weight: 0 };
+            let cone = ConeRegisters { mode, order: ConeOrder::Tree, leaves, opaque: 128, sum_weight: 0 };
             let nodes: Vec<Node> = ray.iter().map(|sample| leaf(sample, &cone, &words)).collect();
             assert_eq!(pixel(reduce(&nodes, &cone, &words), &cone, &words).value, expected, "{mode}");
         }
@@ -174,7 +175,7 @@ proptest! {
         chain in prop::collection::vec(any_node(), 12..30), other in prop::collection::vec(any_node(), 30),
     ) {
         let words = words(bits, ROUNDINGS[usize::from(truncate)]);
-        let cone = ConeRegisters { mode: Mode::Composite, leaves, opaque: 1, sum_weight: 0 };
+        let cone = ConeRegisters { mode: Mode::Composite, order: ConeOrder::Tree, leaves, opaque: 1, sum_weight: 0 };
         let of = |(a, b): (u32, u32)| {
             let (a, b) = (a >> (32 - bits), b >> (32 - bits));
             node(a.min(b), a.max(b))
@@ -214,7 +215,7 @@ fn random(seed: u64) -> impl FnMut() -> f64 {
 /// the same ray in reals that were never quantised. One leaf is front-to-back order, 512 are the tree.
 fn mean_error(accumulator_bits: u32, table_bits: u32, rounding: Rounding, leaves: usize, thickest: f64) -> f64 {
     let words = Words { opacity_bits: table_bits, colour_bits: table_bits, ..words(accumulator_bits, rounding) };
-    let cone = ConeRegisters { mode: Mode::Composite, leaves, opaque: 1, sum_weight: 0 };
+    let cone = ConeRegisters { mode: Mode::Composite, order: ConeOrder::Tree, leaves, opaque: 1, sum_weight: 0 };
     let mut random = random(1995);
     let rays = 200;
     let error = |_| {

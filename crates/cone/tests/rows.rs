@@ -4,7 +4,7 @@ use cube3_abc::golden::Shaded;
 use cube3_abc::lanes::ShadedRow;
 use cube3_cone::golden::{Node, leaf, pixel, reduce};
 use cube3_cone::lanes::{Accumulator, ConeLanes};
-use cube3_host::ConeRegisters;
+use cube3_host::{ConeOrder, ConeRegisters};
 use cube3_scene::Mode;
 use cube3_word::{Rounding, Words, unit_full, vectorised};
 use proptest::prelude::*;
@@ -43,6 +43,8 @@ fn shaded_row(samples: &[Shaded], skip: bool) -> ShadedRow {
         overflows: 0,
     }
 }
+
+const ORDERS: [ConeOrder; 2] = [ConeOrder::Tree, ConeOrder::FrontToBack];
 
 const RAYS: std::ops::Range<i64> = -8..24;
 
@@ -124,8 +126,8 @@ proptest! {
                 skip: skip && opaque > 0,
             })
             .collect();
-        for mode in Mode::ALL {
-            let cone = ConeRegisters { mode, leaves, opaque, sum_weight };
+        for (mode, order) in Mode::ALL.into_iter().flat_map(|mode| ORDERS.map(|order| (mode, order))) {
+            let cone = ConeRegisters { mode, order, leaves, opaque, sum_weight };
             assert_rows::<u64>(&depths, &cone, &words, vectors);
             if words.accumulator_bits <= 16 {
                 assert_rows::<u32>(&depths, &cone, &words, vectors);
@@ -141,7 +143,8 @@ fn the_deepest_weighted_sum_fits_the_narrow_words() {
     let full = Shaded { present: true, sample: 1, opacity: 65535, colour: [65535; 3] };
     let depths = vec![Depth { row: Some((0, vec![full; 3])), skip: true }; 4096];
     for sum_weight in [1 << 20, (1 << 20) + 1, 1 << 32] {
-        let cone = ConeRegisters { mode: Mode::WeightedSum, leaves: 100, opaque: 1, sum_weight };
+        let cone =
+            ConeRegisters { mode: Mode::WeightedSum, order: ConeOrder::Tree, leaves: 100, opaque: 1, sum_weight };
         assert_rows::<u32>(&depths, &cone, &words, true);
         assert_rows::<u64>(&depths, &cone, &words, true);
     }
@@ -150,7 +153,7 @@ fn the_deepest_weighted_sum_fits_the_narrow_words() {
 #[test]
 fn a_ray_without_samples_has_no_pixel_and_one_between_others_a_clear_one() {
     let words = Words::default();
-    let cone = ConeRegisters { mode: Mode::Composite, leaves: 4, opaque: 1, sum_weight: 0 };
+    let cone = ConeRegisters { mode: Mode::Composite, order: ConeOrder::Tree, leaves: 4, opaque: 1, sum_weight: 0 };
     let mut lanes = ConeLanes::<u32>::new(cone, words);
     let white = Shaded { present: true, sample: 9, opacity: 4095, colour: [4095; 3] };
     for start in [3_i64, -2] {

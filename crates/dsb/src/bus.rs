@@ -2,11 +2,14 @@
 //!
 //! ```text
 //!   [beams] ──► turn by X(k) and the skews ──► [aligned]
+//!               channels × slices; links between boards
 //! ```
 
-use crate::Rotator;
+use crate::{BoardSpec, Rotator};
 use cube3_cfb::{Beam, VoxelBeam};
-use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
+use cube3_channel::{
+    Account, Activity, Archive, ArchiveError, Archived, Channel, ClockDomain, Payload, Reason, Transfer,
+};
 use cube3_host::{FrameSetup, Geometry, MachineSpec};
 use serde::{Deserialize, Serialize};
 
@@ -42,30 +45,112 @@ impl Align for Rotator {
     }
 }
 
+/// Data sheet of the bus for one frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BusSpec {
+    /// Words of a beam: n_u.
+    pub words: u64,
+    /// Cycles that the lanes need to give and take a beam: ⌈n_u / lanes⌉.
+    pub lane_cycles: u64,
+    /// Slices of a beam: ⌈n_u / channels⌉.
+    pub slices: u64,
+}
+
+impl BusSpec {
+    /// The data sheet for a machine and the geometry of a frame.
+    pub fn new(machine: &MachineSpec, geometry: &Geometry) -> BusSpec {
+        let words = geometry.size[0];
+        BusSpec {
+            words: words as u64,
+            lane_cycles: words.div_ceil(machine.lanes) as u64,
+            slices: words.div_ceil(channels(machine)) as u64,
+        }
+    }
+}
+
+/// Channels of the bus.
+fn channels(machine: &MachineSpec) -> usize {
+    machine.bus.channels.unwrap_or(machine.lanes)
+}
+
+/// Slices a pipeline cycle.
+fn slice_clock(machine: &MachineSpec) -> ClockDomain {
+    ClockDomain::from_hertz(machine.bus.clock_hz.unwrap_or(machine.clock_hz), machine.clock_hz)
+}
+
+/// What the bus has carried.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BusCounters {
+    /// Voxel words.
+    pub words: u64,
+    /// Voxel words that its channels could have carried in the cycles of the run.
+    pub slots: u64,
+    /// Words of beams over the links between boards, over all links and both directions.
+    pub link_words: u64,
+    /// Most words of one beam over one link in one direction.
+    pub link_peak: u64,
+}
+
 /// The fast bus.
 #[derive(Clone, Debug)]
 pub struct BusUnit<B> {
-    /// Cycles of a beam, for each frame.
-    cycles: Vec<u64>,
+    /// Data sheet of each frame.
+    specs: Vec<BusSpec>,
+    boards: BoardSpec,
+    channels: u64,
+    clock: ClockDomain,
+    /// Whether slices or links can hold a beam longer than its lanes do, or words on links are counted.
+    limited: bool,
     wires: B,
     state: State,
     account: Account,
 }
 
-/// Cycles spent on the beam in hand.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// The beam in hand, and what has been carried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct State {
+    /// Cycles spent on the beam in hand.
     spent: u64,
+    /// Its slices, where they can be too few.
+    slices: Option<Transfer>,
+    /// Its words on the busiest link, where links can be too slow.
+    link: Option<Transfer>,
+    /// Words of the beam in hand on the busiest link and on all.
+    crossing: Option<[u64; 2]>,
+    words: u64,
+    link_words: u64,
+    link_peak: u64,
 }
 
 impl<B: Align> BusUnit<B> {
     /// The unit's name.
     pub const NAME: &'static str = "bus";
 
-    /// A bus on which a beam takes ⌈n_u / lanes⌉ cycles, for the frames of these geometries.
+    /// A bus for the frames of these geometries. A beam takes as long as its lanes, its slices and the busiest link need.
     pub fn new<'a>(machine: &MachineSpec, geometries: impl IntoIterator<Item = &'a Geometry>, wires: B) -> BusUnit<B> {
-        let cycles = geometries.into_iter().map(|geometry| geometry.size[0].div_ceil(machine.lanes) as u64).collect();
-        BusUnit { cycles, wires, state: State::default(), account: Account::default() }
+        let clock = slice_clock(machine);
+        let (ticks, cycles) = clock.ratio();
+        let scarce = channels(machine) < machine.lanes || ticks < cycles;
+        let boards = BoardSpec::new(machine);
+        let rate = machine.boards.link_words_per_cycle.filter(|_| boards.boards > 1);
+        BusUnit {
+            specs: geometries.into_iter().map(|geometry| BusSpec::new(machine, geometry)).collect(),
+            boards,
+            channels: channels(machine) as u64,
+            clock,
+            limited: scarce || boards.boards > 1,
+            wires,
+            state: State {
+                spent: 0,
+                slices: scarce.then(|| Transfer::new(clock)),
+                link: rate.map(|rate| Transfer::new(ClockDomain::from_rate(rate))),
+                crossing: None,
+                words: 0,
+                link_words: 0,
+                link_peak: 0,
+            },
+            account: Account::default(),
+        }
     }
 
     /// One cycle.
@@ -88,12 +173,30 @@ impl<B: Align> BusUnit<B> {
         aligned: &mut Channel<Beam<B::Output>>,
     ) -> Activity {
         let Some(beam) = beams.front() else {
+            if self.limited {
+                self.rest();
+            }
             return Activity::Starved;
         };
         let frame = beam.frame as usize;
-        let needed = if beam.row.is_some() { self.cycles[frame] } else { 1 };
+        let spec = self.specs[frame];
+        let needed = if beam.row.is_some() { spec.lane_cycles } else { 1 };
+        let mut activity = Activity::Busy;
+        if self.limited
+            && let Some(v) = beam.row
+        {
+            let waits = self.waits(spec, &frames[frame].geometry, v as usize, beam.depth as usize);
+            if self.state.spent >= needed {
+                // The cycle in which the last words come is one of waiting, too; which resource they wait for was told before.
+                activity = Activity::Waiting(waits.unwrap_or_else(|| self.last_reason(spec)));
+            }
+            if waits.is_some() {
+                self.carry();
+                return activity;
+            }
+        }
         if self.state.spent + 1 < needed {
-            self.state.spent += 1;
+            self.carry();
             return Activity::Busy;
         }
         let Some(output) = aligned.push_slot() else {
@@ -105,10 +208,81 @@ impl<B: Align> BusUnit<B> {
         output.row = beam.row;
         if let Some(v) = beam.row {
             self.wires.align(&frames[frame], v as usize, beam.depth as usize, &beam.data, &mut output.data);
+            self.state.words += spec.words;
         }
+        let empty = beam.row.is_none();
         beams.pop_slot();
         self.state.spent = 0;
-        Activity::Busy
+        if self.limited {
+            if empty { self.rest() } else { self.finish(spec) }
+        }
+        activity
+    }
+}
+
+impl<B> BusUnit<B> {
+    /// What the beam in hand, of row `v` at a depth, waits for beyond this cycle: slices, or words on a link.
+    fn waits(&mut self, spec: BusSpec, geometry: &Geometry, v: usize, depth: usize) -> Option<Reason> {
+        let state = &mut self.state;
+        let boards = &self.boards;
+        let [busiest, _] = *state.crossing.get_or_insert_with(|| {
+            let words = boards.link_words(geometry, v, depth);
+            [words.busiest, words.all]
+        });
+        if state.slices.is_some_and(|slices| !slices.completes(spec.slices)) {
+            Some(Reason::BusSlice)
+        } else if state.link.is_some_and(|link| !link.completes(busiest)) {
+            Some(Reason::Link)
+        } else {
+            None
+        }
+    }
+
+    /// What the last cycle of a beam was needed for: slices, unless they were there a cycle earlier.
+    fn last_reason(&self, spec: BusSpec) -> Reason {
+        match &self.state.slices {
+            Some(slices) if !slices.completed(spec.slices) => Reason::BusSlice,
+            _ => Reason::Link,
+        }
+    }
+
+    fn carry(&mut self) {
+        self.state.spent += 1;
+        if let Some(slices) = &mut self.state.slices {
+            slices.carry();
+        }
+        if let Some(link) = &mut self.state.link {
+            link.carry();
+        }
+    }
+
+    fn finish(&mut self, spec: BusSpec) {
+        let [busiest, all] = self.state.crossing.take().unwrap_or_default();
+        self.state.link_words += all;
+        self.state.link_peak = self.state.link_peak.max(busiest);
+        if let Some(slices) = &mut self.state.slices {
+            slices.finish(spec.slices);
+        }
+        if let Some(link) = &mut self.state.link {
+            link.finish(busiest);
+        }
+    }
+
+    /// A cycle in which no voxel is on the bus.
+    fn rest(&mut self) {
+        if let Some(slices) = &mut self.state.slices {
+            slices.rest();
+        }
+        if let Some(link) = &mut self.state.link {
+            link.rest();
+        }
+    }
+
+    /// What has been carried.
+    pub fn counters(&self) -> BusCounters {
+        let slices = self.clock.ticks_before(self.account.cycles()) as u64;
+        let State { words, link_words, link_peak, .. } = self.state;
+        BusCounters { words, slots: slices * self.channels, link_words, link_peak }
     }
 
     /// What the unit did with its cycles.
@@ -119,7 +293,7 @@ impl<B: Align> BusUnit<B> {
 
 impl<B> Archived for BusUnit<B> {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let BusUnit { cycles: _, wires: _, state, account } = self;
+        let BusUnit { specs: _, boards: _, channels: _, clock: _, limited: _, wires: _, state, account } = self;
         archive.item(state)?;
         archive.item(account)
     }

@@ -6,10 +6,12 @@
 //! The bus shears: it turns a beam so that each discrete ray stays in its slot. The buffers transpose:
 //! beams are written, rays are read, both without conflicts. Pfister et al. 1995, sections 2 and 5.
 
+mod boards;
 pub mod bus;
 pub mod golden;
 mod lanes;
 mod unit;
 
+pub use boards::{BoardSpec, LinkWords};
 pub use lanes::{PlaneStore, Rotator};
 pub use unit::{DsbSpec, DsbUnit, NoPlanes, RayPair, RayVoxels, Store};

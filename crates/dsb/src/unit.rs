@@ -8,7 +8,7 @@
 
 use crate::PlaneStore;
 use cube3_cfb::{Beam, VoxelBeam};
-use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, PortState, Wait};
+use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, PortState, Reason, Wait};
 use cube3_host::{Geometry, MachineSpec};
 use serde::{Deserialize, Serialize};
 
@@ -108,6 +108,8 @@ pub struct DsbSpec {
     pub frame_planes: u32,
     /// Whether the last plane is read with the first.
     pub closes: bool,
+    /// Ports of a module, which holds its part of every plane: 2 write and read in the same cycle, 1 does one of the two.
+    pub ports: usize,
 }
 
 impl DsbSpec {
@@ -122,6 +124,7 @@ impl DsbSpec {
             slots: slots as u32,
             frame_planes: frame_planes as u32,
             closes: geometry.closes()[1],
+            ports: machine.dsb.ports,
         }
     }
 }
@@ -130,6 +133,7 @@ impl DsbSpec {
 #[derive(Clone, Debug)]
 pub struct DsbUnit<S> {
     frames: Vec<DsbFrame<S>>,
+    single_port: bool,
     state: State,
     write_account: Account,
     read_account: Account,
@@ -174,13 +178,15 @@ impl<S: Store> DsbUnit<S> {
             base += u64::from(spec.frame_planes);
             DsbFrame { spec, memory, base: base - u64::from(spec.frame_planes) }
         };
-        let frames = parts.into_iter().map(frame).collect();
+        let frames: Vec<DsbFrame<S>> = parts.into_iter().map(frame).collect();
+        let single_port = frames.iter().any(|frame| frame.spec.ports == 1);
         let account = Account::default();
-        DsbUnit { frames, state: State::default(), write_account: account, read_account: account }
+        DsbUnit { frames, single_port, state: State::default(), write_account: account, read_account: account }
     }
 
     /// One cycle of both ports: a plane that is read out gives its buffer to the write port at once, and a plane
-    /// that is full can be read from the next cycle on. What the write and the read port did.
+    /// that is full can be read from the next cycle on. Where modules have one port, reading goes first, since what follows
+    /// lives on it. What the write and the read port did.
     #[inline]
     pub fn tick(
         &mut self,
@@ -188,8 +194,18 @@ impl<S: Store> DsbUnit<S> {
         rays: &mut Channel<RayPair<S::Output>>,
     ) -> [Activity; 2] {
         let read = self.read(rays);
-        let write = self.write(aligned);
+        let taken = self.single_port && read == Activity::Busy;
+        let write = if taken { self.wait_for_port(aligned) } else { self.write(aligned) };
         [self.write_account.record(write), self.read_account.record(read)]
+    }
+
+    /// What the write port does while the read port has the modules.
+    fn wait_for_port(&self, aligned: &Channel<Beam<S::Input>>) -> Activity {
+        match aligned.front() {
+            None => Activity::Starved,
+            Some(beam) if !self.has_buffer(beam.frame, beam.plane) => Activity::Blocked,
+            Some(_) => Activity::Waiting(Reason::Port),
+        }
     }
 
     #[inline]
@@ -309,7 +325,7 @@ impl<S: Store> DsbUnit<S> {
 
 impl<S: Archived> Archived for DsbUnit<S> {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let DsbUnit { frames, state, write_account, read_account } = self;
+        let DsbUnit { frames, single_port: _, state, write_account, read_account } = self;
         archive.item(state)?;
         archive.item(write_account)?;
         archive.item(read_account)?;

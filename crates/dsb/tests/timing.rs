@@ -5,10 +5,10 @@
 //! the next cycle on, and gives its buffer back in the cycle in which its last ray leaves.
 
 use cube3_cfb::Beam;
-use cube3_channel::{Account, Activity, Channel, PortState, diagnose};
+use cube3_channel::{Account, Activity, Channel, PortState, Reason, diagnose};
 use cube3_dsb::bus::{BusUnit, NoBus};
 use cube3_dsb::{DsbSpec, DsbUnit, NoPlanes, RayPair};
-use cube3_host::{FrameSetup, MachineSpec, VolumeInfo, frame_setup};
+use cube3_host::{Boards, Bus, FrameSetup, MachineSpec, VolumeInfo, frame_setup};
 use cube3_scene::{Scene, View};
 
 /// Rays along z, and a little along x, so that u is x.
@@ -20,7 +20,7 @@ fn setup(machine: &MachineSpec, dims: [usize; 3]) -> FrameSetup {
 
 /// A frame of `frame_planes` planes of n beams and n ray slots.
 fn spec(n: u32, frame_planes: u32, planes: usize) -> DsbSpec {
-    DsbSpec { planes, write_cycles: 1, read_cycles: 1, depths: n, slots: n, frame_planes, closes: false }
+    DsbSpec { planes, write_cycles: 1, read_cycles: 1, depths: n, slots: n, frame_planes, closes: false, ports: 2 }
 }
 
 /// The buffers between their channels, with a beam offered in every cycle.
@@ -150,6 +150,26 @@ fn a_beam_without_voxels_takes_one_cycle() {
 }
 
 #[test]
+fn with_one_port_writing_waits_while_rays_are_read() {
+    let n = 5_u64;
+    for planes in 2..6_u64 {
+        let bench = Bench::new(DsbSpec { ports: 1, ..spec(5, 6, planes as usize) }, 2).run();
+        // Two planes are written before the first is read; then a plane is read and a plane is written in turn, n cycles each,
+        // and the last two are there together.
+        let starts = [2, 4, 6, 8, 10, 11].map(|planes| planes * n + 1);
+        let expected: Vec<u64> = starts.into_iter().flat_map(|start| start..start + n).collect();
+        assert_eq!(bench.left, expected, "{planes} planes");
+        let [write, read] = bench.unit.accounts();
+        // A beam waits at the write port for a buffer, where there are but two, or else for the modules.
+        let port = write.waiting[Reason::Port as usize];
+        let held = 4 * n;
+        assert_eq!((write.busy, write.blocked + port), (6 * n, held));
+        assert_eq!(port, if planes == 2 { 4 } else { held });
+        assert_eq!((read.busy, read.blocked), (6 * n, 0));
+    }
+}
+
+#[test]
 fn without_a_buffer_the_write_port_is_blocked() {
     let n = 4;
     let mut bench = Bench::new(spec(4, 8, 3), 1);
@@ -239,4 +259,113 @@ fn the_bus_is_blocked_while_nobody_takes_its_beam() {
         aligned.commit();
     }
     assert_eq!(*bus.account(), Account { busy: 1, starved: 1, blocked: 18, ..Account::default() });
+}
+
+/// So many full beams of row 0 behind each other through the bus: cycles in which they left, and the bus.
+fn through_the_bus(machine: &MachineSpec, dims: [usize; 3], beams: u32) -> (Vec<u64>, BusUnit<NoBus>) {
+    let setup = setup(machine, dims);
+    let mut bus = BusUnit::new(machine, [&setup.geometry], NoBus);
+    let mut input = Channel::<Beam<()>>::new("beams", 2, 1).unwrap();
+    let mut aligned = Channel::<Beam<()>>::new("aligned", 2, 1).unwrap();
+    let (mut offered, mut left) = (0, Vec::new());
+    while left.len() < beams as usize {
+        if offered < beams
+            && let Some(beam) = input.push_slot()
+        {
+            let rows = dims[1] as u32;
+            (beam.plane, beam.depth, beam.row) = (offered / rows, 0, Some(offered % rows));
+            offered += 1;
+        }
+        let before = aligned.counters().pushes;
+        bus.tick(std::slice::from_ref(&setup), &mut input, &mut aligned);
+        if aligned.counters().pushes > before {
+            left.push(bus.account().cycles() - 1);
+        }
+        aligned.pop();
+        input.commit();
+        aligned.commit();
+        assert!(bus.account().cycles() < 100_000, "stuck");
+    }
+    (left, bus)
+}
+
+#[test]
+fn a_beam_waits_for_the_slices_that_its_words_need() {
+    // Lanes, words, channels, slices a cycle as a fraction, and the cycles of twelve beams that follow each other.
+    for (lanes, n, channels, [ticks, every]) in [
+        (8, 8, 8, [1, 1]),
+        (8, 8, 4, [1, 1]),
+        (8, 8, 3, [1, 1]),
+        (8, 8, 3, [3, 2]),
+        (8, 8, 8, [1, 3]),
+        (4, 8, 8, [1, 1]),
+        (4, 8, 2, [2, 1]),
+        (8, 5, 1, [7, 3]),
+    ] {
+        let bus = Bus {
+            channels: Some(channels),
+            clock_hz: Some(8e6 * f64::from(ticks as u32) / f64::from(every as u32)),
+            ..Bus::default()
+        };
+        let machine = MachineSpec { lanes, bus, ..MachineSpec::default() };
+        let (left, unit) = through_the_bus(&machine, [n, 1, 1], 12);
+        let slices = n.div_ceil(channels) as u64;
+        let lane_cycles = n.div_ceil(lanes) as u64;
+        // The first beam is there in cycle 1; beams that need less than their lanes give no slice on to later ones.
+        let by_slices = |beams: u64| (beams * slices * every).div_ceil(ticks);
+        let bound = slices * every > lane_cycles * ticks;
+        let expected: Vec<u64> =
+            (1..=12).map(|beam| if bound { by_slices(beam) } else { beam * lane_cycles }).collect();
+        assert_eq!(left, expected, "{n} words on {channels} channels, {ticks} slices in {every} cycles");
+        let account = unit.account();
+        assert_eq!(account.busy, 12 * lane_cycles);
+        assert_eq!(account.waiting[Reason::BusSlice as usize], expected[11] - 12 * lane_cycles);
+        assert_eq!(account.starved, 1);
+        let counters = unit.counters();
+        assert_eq!(counters.words, 12 * n as u64);
+        assert_eq!(counters.slots, channels as u64 * (account.cycles() * ticks / every));
+        assert!(counters.words <= counters.slots);
+    }
+}
+
+#[test]
+fn a_beam_waits_for_the_words_on_the_busiest_link() {
+    // Row v of plane 0 at depth 0 is turned back by v lanes: the way round is the shorter one, over every link.
+    let n = 16_u64;
+    for (rate, num, den) in [(1.0, 1, 1), (2.0, 2, 1), (0.5, 1, 2), (1.5, 3, 2), (100.0, 100, 1)] {
+        let boards = Boards { count: 4, link_words_per_cycle: Some(rate), ..Boards::default() };
+        let machine = MachineSpec { lanes: 16, boards, ..MachineSpec::default() };
+        let (left, unit) = through_the_bus(&machine, [16, 16, 1], 16);
+        let words: Vec<u64> = (0..n).map(|v| v.min(n - v)).collect();
+        let counters = unit.counters();
+        assert_eq!((counters.link_words, counters.link_peak), (4 * words.iter().sum::<u64>(), n / 2));
+        let account = unit.account();
+        assert_eq!(account.busy, n);
+        assert_eq!(account.waiting[Reason::Link as usize], left[15] - n);
+        assert_eq!(account.cycles(), left[15] + 1);
+        // Alone, each beam would take its words over the rate, rounded up; what a last cycle has to spare serves the next.
+        let (mut spare, mut cycle) = (0, 0);
+        let mut expected = Vec::new();
+        let mut phase = 0;
+        for words in words {
+            let mut carried = spare;
+            loop {
+                cycle += 1;
+                let ticks = (phase + num) / den;
+                phase = (phase + num) % den;
+                carried += ticks;
+                if carried >= words {
+                    spare = (carried - words).min(ticks);
+                    break;
+                }
+            }
+            expected.push(cycle);
+        }
+        assert_eq!(left, expected, "{rate} words a cycle");
+    }
+    // Without a rate the words are counted and nothing waits.
+    let boards = Boards { count: 4, ..Boards::default() };
+    let (left, unit) = through_the_bus(&MachineSpec { lanes: 16, boards, ..MachineSpec::default() }, [16, 16, 1], 16);
+    assert_eq!(left, (1..=16).collect::<Vec<u64>>());
+    assert_eq!(unit.counters().link_peak, 8);
 }

@@ -1,6 +1,6 @@
 //! The machine as data: everything that an architect may change, with a unit and a source.
 
-use crate::{MemoryModel, RaySlots, TemplateRule};
+use crate::{ConeOrder, MemoryModel, RaySlots, TemplateRule};
 use cube3_word::Words;
 use serde::{Deserialize, Serialize};
 
@@ -96,7 +96,7 @@ pub enum BusKind {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Boards {
-    /// Boards, each with ⌈lanes/count⌉ lanes: 1 to the lanes.
+    /// Boards, which share the lanes evenly: 1 to the lanes.
     pub count: usize,
     /// Words that a link carries in each direction in a pipeline cycle, above 0; any number where it is not given.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -126,6 +126,20 @@ pub enum ConeKind {
     Chain,
     /// One node that takes a sample a cycle: front to back.
     Accumulator,
+}
+
+impl ConeKind {
+    /// Every kind.
+    pub const ALL: [ConeKind; 4] =
+        [ConeKind::FoldedTree, ConeKind::ShiftedTree, ConeKind::Chain, ConeKind::Accumulator];
+
+    /// The order in which its nodes combine the samples of a ray.
+    pub fn order(self) -> ConeOrder {
+        match self {
+            ConeKind::FoldedTree | ConeKind::ShiftedTree => ConeOrder::Tree,
+            ConeKind::Chain | ConeKind::Accumulator => ConeOrder::FrontToBack,
+        }
+    }
 }
 
 /// The link to the host.

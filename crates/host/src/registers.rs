@@ -212,11 +212,24 @@ pub struct ReflectanceTable {
     pub flat: u32,
 }
 
+/// In which order the samples of a ray are combined.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ConeOrder {
+    /// Neighbours in pairs, level by level, in chunks of the leaves.
+    #[default]
+    Tree,
+    /// One behind another from the eye on, however many leaves there are.
+    FrontToBack,
+}
+
 /// Registers of the cone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct ConeRegisters {
     /// What the nodes do.
     pub mode: Mode,
+    /// In which order.
+    pub order: ConeOrder,
     /// Leaves: a ray of more samples is reduced in chunks of this many, and the chunks in order.
     pub leaves: usize,
     /// Opacity, unit word of `opacity_bits` above 0, from which a sample is opaque.

@@ -1,8 +1,8 @@
 //! Makes the `FrameSetup`: scene and machine in, registers and tables out.
 
 use crate::{
-    Axes, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientScale, HalfSpace, Linear,
-    LinearFactor, MachineSpec, ShadingUnit, canonical, classification, largest_offset, shading, slope_register,
+    Axes, BusKind, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientScale, HalfSpace,
+    Linear, LinearFactor, MachineSpec, ShadingUnit, canonical, classification, largest_offset, shading, slope_register,
 };
 use cube3_scene::{Mode, Scene, SceneError, ViewFrame};
 use cube3_word::{quantise_fraction, quantise_unit};
@@ -40,6 +40,11 @@ pub enum HostError {
         /// Sides of a voxel.
         spacing: [f64; 3],
     },
+    /// A bus that cannot do what the view needs.
+    #[error(
+        "a rotating bus cannot bring a perspective view to its lanes: set bus.kind = \"gather\" in the machine file, or make the view parallel"
+    )]
+    Bus,
     /// A volume side out of range.
     #[error(
         "the volume has {dims:?} voxels along x, y, z; the machine's templates take 1 to {LARGEST_SIDE} each: crop or resample it"
@@ -48,6 +53,14 @@ pub enum HostError {
         /// The sides.
         dims: [usize; 3],
     },
+}
+
+/// Checks that the machine's bus can serve a view, perspective or parallel.
+///
+/// # Errors
+/// Perspective on a bus that only turns beams.
+pub fn check_bus(machine: &MachineSpec, perspective: bool) -> Result<(), HostError> {
+    if perspective && machine.bus.kind == BusKind::Rotate { Err(HostError::Bus) } else { Ok(()) }
 }
 
 /// A frame as the host has set it up.
@@ -98,7 +111,7 @@ pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, pl
     let gradient_needed = lit || rows.is_some();
     let gradient = (gradient_needed || !plan).then(|| gradient_registers(machine, &geometry, &basis, plan));
     if !gradient_needed && plan {
-        let planes = 4 * geometry.size[2] * geometry.slot_counts()[0];
+        let planes = machine.abc.planes * geometry.size[2] * geometry.slot_counts()[0];
         leave(
             "gradient unit",
             "nothing in this scene reads a gradient",
@@ -164,6 +177,7 @@ pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, pl
         depth_cue: depth_cue(scene, &geometry, volume, &view).or_else(|| (!plan).then(neutral_cue)),
         cone: ConeRegisters {
             mode: scene.mode,
+            order: machine.cone.kind.order(),
             leaves: machine.lanes,
             opaque: quantise_unit(scene.transfer.opaque_alpha, words.opacity_bits).max(1),
             sum_weight: (1_u64 << ConeRegisters::WEIGHT_BITS) / geometry.size[2] as u64,
@@ -364,4 +378,23 @@ pub fn step_length(geometry: &Geometry, spacing: [f64; 3]) -> f64 {
     let smallest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
     let square = (s[0] * du).powi(2) + (s[1] * dv).powi(2) + s[2].powi(2);
     square.sqrt() / smallest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Bus;
+
+    #[test]
+    fn a_bus_that_only_turns_beams_is_for_parallel_views() {
+        let rotate = MachineSpec { bus: Bus { kind: BusKind::Rotate, ..Bus::default() }, ..MachineSpec::default() };
+        assert!(check_bus(&rotate, false).is_ok());
+        assert!(check_bus(&MachineSpec::default(), true).is_ok());
+        let text = check_bus(&rotate, true).unwrap_err().to_string();
+        assert_eq!(
+            text,
+            "a rotating bus cannot bring a perspective view to its lanes: set bus.kind = \"gather\" in the machine file, \
+             or make the view parallel"
+        );
+    }
 }

@@ -85,7 +85,7 @@ fn headline(report: &RunReport) -> Markup {
     let mut tiles: Vec<(&str, String, String)> = Vec::new();
     if let Some(timing) = &report.timing {
         let clock = prefixed(timing.clock_hz, "Hz");
-        let sustained = format!("at most {} sustained", number(timing.fps_sustained));
+        let sustained = format!("{} in an animation", number(timing.fps_sustained));
         let frame = prefixed(timing.frame_time_s, "s");
         tiles.push(("Frames per second", number(timing.fps), sustained));
         tiles.push(("Cycles", count(timing.cycles), format!("{frame} at {clock}")));

@@ -141,9 +141,11 @@ pub struct TimingReport {
     pub frame_time_s: f64,
     /// Frames per second one after another: `1 / frame_time_s`.
     pub fps: f64,
-    /// Upper bound of the frames per second when the next frame enters behind the last beam of this one, so that no
-    /// frame but the first pays for filling the pipeline, and no port stalls: `clock_hz · frames / (cycles − fill_cycles)`.
+    /// Frames per second in an animation, as measured: `clock_hz / frame_interval_cycles`. Where frames overlap, no frame but the
+    /// first pays for filling the pipeline.
     pub fps_sustained: f64,
+    /// Cycles from the last pixel of one frame to that of the next, where this frame follows itself.
+    pub frame_interval_cycles: u64,
     /// Beams fetched from the cubic frame buffer.
     pub beams: u64,
     /// Samples that the interpolation units put out.
@@ -173,12 +175,15 @@ pub struct TimingCounts {
     pub ray_slots: u64,
     /// Cycles of the frame beyond those that the busier of its two sides, beams in or rays out, needs for its tokens.
     pub fill_cycles: u64,
+    /// Cycles from the last pixel of one frame to that of the next.
+    pub frame_interval_cycles: u64,
 }
 
 impl From<TimingCounts> for TimingReport {
     /// Derives times and rates. A rate over no time at all is 0, not infinite.
     fn from(counts: TimingCounts) -> Self {
-        let TimingCounts { frames, cycles, clock_hz, beams, samples, ray_slots, fill_cycles } = counts;
+        let TimingCounts { frames, cycles, clock_hz, beams, samples, ray_slots, fill_cycles, frame_interval_cycles } =
+            counts;
         let each = frames.max(1) as f64;
         let per_s = |amount: f64, cycles: u64| {
             if cycles == 0 { 0.0 } else { amount * clock_hz / cycles as f64 }
@@ -189,7 +194,8 @@ impl From<TimingCounts> for TimingReport {
             clock_hz,
             frame_time_s: cycles as f64 / clock_hz / each,
             fps: per_s(each, cycles),
-            fps_sustained: per_s(each, cycles.saturating_sub(fill_cycles)),
+            fps_sustained: per_s(1.0, frame_interval_cycles),
+            frame_interval_cycles,
             beams,
             samples,
             ray_slots,
@@ -202,8 +208,9 @@ impl From<TimingCounts> for TimingReport {
 impl TimingReport {
     /// What was counted, without what follows from it.
     pub fn counts(&self) -> TimingCounts {
-        let &Self { frames, cycles, clock_hz, beams, samples, ray_slots, fill_cycles, .. } = self;
-        TimingCounts { frames, cycles, clock_hz, beams, samples, ray_slots, fill_cycles }
+        let &Self { frames, cycles, clock_hz, beams, samples, ray_slots, fill_cycles, frame_interval_cycles, .. } =
+            self;
+        TimingCounts { frames, cycles, clock_hz, beams, samples, ray_slots, fill_cycles, frame_interval_cycles }
     }
 }
 

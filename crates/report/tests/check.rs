@@ -96,6 +96,7 @@ fn cube_3_at_125_ns_gives_its_thirty_frames() {
         samples: 512 * 512 * 512,
         ray_slots: 512 * 512,
         fill_cycles: 0,
+        frame_interval_cycles: 512 * 512,
     }
     .into();
     assert_eq!(timing.fps, 30.517_578_125);
@@ -106,12 +107,13 @@ fn cube_3_at_125_ns_gives_its_thirty_frames() {
 proptest! {
     #[test]
     fn derived_times_always_pass_the_check(
-        cycles in 0_u64..u64::MAX, clock_hz in 1e-3_f64..1e12, samples: u64, fill_cycles: u64
+        cycles in 0_u64..u64::MAX, clock_hz in 1e-3_f64..1e12, samples: u64, fill_cycles: u64,
+        frame_interval_cycles: u64,
     ) {
         let mut report = sample::report();
         report.units.clear();
         let counts =
-            TimingCounts { frames: 1, cycles, clock_hz, beams: 1, samples, ray_slots: 1, fill_cycles };
+            TimingCounts { frames: 1, cycles, clock_hz, beams: 1, samples, ray_slots: 1, fill_cycles, frame_interval_cycles };
         report.timing = Some(counts.into());
         prop_assert!(report.check().is_ok());
     }

@@ -24,6 +24,7 @@ fn has_every_key_that_scripts_rely_on() {
         "/timing/frame_time_s",
         "/timing/fps",
         "/timing/fps_sustained",
+        "/timing/frame_interval_cycles",
         "/timing/beams",
         "/timing/samples",
         "/timing/samples_per_s",

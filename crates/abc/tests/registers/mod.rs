@@ -3,9 +3,9 @@
 
 use cube3_abc::golden::Neighbourhood;
 use cube3_host::{
-    Abc, Axes, Classification, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientRows,
-    GradientScale, HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, Phong, PhongLight, RaySlots, Rays,
-    ReflectanceTable, Reuse, Shading, ShadingUnit, TemplateRule, VolumeInfo, frame_setup,
+    Abc, Axes, Classification, ConeOrder, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters,
+    GradientRows, GradientScale, HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, Phong, PhongLight, RaySlots,
+    Rays, ReflectanceTable, Reuse, Shading, ShadingUnit, TemplateRule, VolumeInfo, frame_setup,
 };
 use cube3_scene::{ColourPoint, Crop, Cut, DepthCue, Layer, Light, Material, Mode, Scene, Threshold, Transfer, View};
 use cube3_word::{Rounding, Words, unit_full};
@@ -200,7 +200,7 @@ pub fn frame(dice: &mut Dice) -> FrameSetup {
         normaliser,
         shading,
         depth_cue: dice.one_in(3).then(|| LinearFactor { factor: linear(dice, LinearFactor::FRACTION_BITS - 6) }),
-        cone: ConeRegisters { mode: Mode::Composite, leaves: 1, opaque: 1, sum_weight: 0 },
+        cone: ConeRegisters { mode: Mode::Composite, order: ConeOrder::Tree, leaves: 1, opaque: 1, sum_weight: 0 },
     }
 }
 

@@ -59,6 +59,7 @@ pub fn report() -> RunReport {
                 samples: 2_064_384,
                 ray_slots: 16_384,
                 fill_cycles: 214,
+                frame_interval_cycles: 16_396,
             }
             .into(),
         ),

@@ -1,0 +1,154 @@
+//! The cone's data sheet: how long each kind takes for a ray, what it is made of, and what it sends between boards.
+
+use cube3_dsb::BoardSpec;
+use cube3_host::{ChannelSize, ConeKind, FrameSetup, MachineSpec};
+
+/// Data sheet of the cone for one frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ConeSpec {
+    /// How the nodes are joined.
+    pub kind: ConeKind,
+    /// Leaves.
+    pub lanes: usize,
+    /// Boards that the leaves are on.
+    pub boards: usize,
+    /// Cycles from a board to its neighbour.
+    pub link_latency: u64,
+    /// Chunks of a ray: ⌈n_w / lanes⌉.
+    pub chunks: u64,
+    /// Cycles in which a ray is at the leaves: the chunks, or for a single accumulator the samples.
+    pub ray_cycles: u64,
+}
+
+/// Words of a node on a link: red, green, blue, opacity.
+const NODE_WORDS: u64 = 4;
+
+impl ConeSpec {
+    /// The data sheet for a machine and the registers of a frame.
+    pub fn new(machine: &MachineSpec, setup: &FrameSetup) -> ConeSpec {
+        ConeSpec::of(machine, setup.geometry.size[2])
+    }
+
+    /// The data sheet for a machine and rays of so many samples.
+    pub fn of(machine: &MachineSpec, samples: usize) -> ConeSpec {
+        let chunks = samples.div_ceil(machine.lanes) as u64;
+        ConeSpec {
+            kind: machine.cone.kind,
+            lanes: machine.lanes,
+            boards: machine.boards.count,
+            link_latency: machine.boards.link_latency_cycles,
+            chunks,
+            ray_cycles: match machine.cone.kind {
+                ConeKind::Accumulator => samples as u64,
+                _ => chunks,
+            },
+        }
+    }
+
+    /// Levels of a tree, and stages of a shifter: ⌈log₂ lanes⌉.
+    pub fn levels(&self) -> u64 {
+        u64::from(self.lanes.next_power_of_two().trailing_zeros())
+    }
+
+    /// Cycles from the last one at the leaves to the pixel, on one board.
+    pub fn latency(&self) -> u64 {
+        self.first_latency() + self.turns_latency()
+    }
+
+    /// The same for a ray of one chunk. A node takes a cycle.
+    fn first_latency(&self) -> u64 {
+        match self.kind {
+            ConeKind::FoldedTree => self.levels() + 1,
+            ConeKind::ShiftedTree => 2 * self.levels() + 1,
+            ConeKind::Chain => self.lanes as u64,
+            ConeKind::Accumulator => 1,
+        }
+    }
+
+    /// What the chunks behind the first add: in a chain each goes through all nodes behind the one before it, and other rays
+    /// between them.
+    fn turns_latency(&self) -> u64 {
+        match self.kind {
+            ConeKind::Chain => (self.chunks - 1) * (self.lanes as u64 - 1),
+            _ => 0,
+        }
+    }
+
+    /// Cycles from the arrival of the last ray to its pixel.
+    pub fn drain(&self) -> u64 {
+        self.ray_cycles - 1 + self.latency()
+    }
+
+    /// Nodes that combine two stretches of a ray, the one that joins a tree's chunks included.
+    pub fn nodes(&self) -> usize {
+        match self.kind {
+            ConeKind::FoldedTree | ConeKind::ShiftedTree | ConeKind::Chain => self.lanes,
+            ConeKind::Accumulator => 1,
+        }
+    }
+
+    /// Nodes' worth of registers in the shifter: a row of the lanes for each stage.
+    pub fn shifter_words(&self) -> u64 {
+        match self.kind {
+            ConeKind::ShiftedTree => self.levels() * self.lanes as u64,
+            _ => 0,
+        }
+    }
+
+    /// Links that a pixel's nodes cross one after another, for a ray of one chunk; and more for each further chunk.
+    fn hops(&self) -> [u64; 2] {
+        let boards = self.boards as u64;
+        match self.kind {
+            _ if boards == 1 => [0, 0],
+            ConeKind::FoldedTree | ConeKind::ShiftedTree => {
+                [self.upper_levels().map(|(distance, _)| distance).sum(), 0]
+            }
+            ConeKind::Chain => [boards - 1, boards],
+            ConeKind::Accumulator => [boards / 2, 0],
+        }
+    }
+
+    /// Levels of a tree between boards: the links from the right child's board to the left's, the shorter way round, and pairs.
+    fn upper_levels(&self) -> impl Iterator<Item = (u64, u64)> {
+        let boards = self.boards as u64;
+        let strides =
+            std::iter::successors(Some(1), |stride| Some(stride * 2)).take_while(move |stride| *stride < boards);
+        strides.map(move |stride| (stride.min(boards - stride), (boards - stride).div_ceil(2 * stride)))
+    }
+
+    /// Words that a ray sends over links between boards, all links together; a lane without a sample sends an empty one.
+    pub fn link_words(&self) -> u64 {
+        let boards = self.boards as u64;
+        let crossings = match self.kind {
+            _ if boards == 1 => 0,
+            ConeKind::FoldedTree | ConeKind::ShiftedTree => {
+                self.chunks * self.upper_levels().map(|(distance, pairs)| distance * pairs).sum::<u64>()
+            }
+            ConeKind::Chain => self.chunks * boards - 1,
+            ConeKind::Accumulator => {
+                let ring = BoardSpec { boards: self.boards, lanes: self.lanes, latency: self.link_latency };
+                self.chunks * (0..self.lanes).map(|lane| ring.hops(ring.board(lane), 0) as u64).sum::<u64>()
+            }
+        };
+        NODE_WORDS * crossings
+    }
+
+    /// Cycles that a ray of several chunks takes longer from the leaves to the pixel than the channel of [`ConeSpec::pixels`].
+    pub fn extra_latency(&self) -> u64 {
+        let [_, further] = self.hops();
+        self.turns_latency() + (self.chunks - 1) * further * self.link_latency
+    }
+
+    /// The channel to the host: `channel.pixels` is that of a folded tree on one board, and what another cone or more boards take
+    /// longer or shorter is added; room for the rays on their way comes with it.
+    pub fn pixels(machine: &MachineSpec) -> ChannelSize {
+        let size = machine.channel.pixels;
+        let spec = ConeSpec::of(machine, 1);
+        let folded = ConeSpec { kind: ConeKind::FoldedTree, ..spec };
+        let [first, further] = spec.hops();
+        let latency = (size.latency + spec.first_latency()).saturating_sub(folded.first_latency()).max(1);
+        let latency = latency + first * spec.link_latency;
+        let room = latency.saturating_sub(size.latency) + further * spec.link_latency;
+        ChannelSize { capacity: size.capacity + room as usize, latency }
+    }
+}

@@ -1,0 +1,226 @@
+//! Boards of lanes in a ring, and the words of a beam that cross the links between them.
+//!
+//! ```text
+//!   ┌─ board 0 ─┐ link ┌─ board 1 ─┐ link         ┌─ board b − 1 ─┐
+//!   │ lanes 0…  │◄────►│           │◄────►  …  ◄──►│               │◄──► board 0
+//!   └───────────┘      └───────────┘              └───────────────┘
+//! ```
+//! A beam is turned as a whole: all of its words that move by as many lanes go the same way round, the shorter one.
+
+use crate::golden::{module, slot};
+use cube3_cfb::golden::output_lane;
+use cube3_host::{Geometry, MachineSpec, RaySlots};
+
+/// Data sheet of the boards and links.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BoardSpec {
+    /// Boards.
+    pub boards: usize,
+    /// Lanes of all boards together.
+    pub lanes: usize,
+    /// Cycles from a board to its neighbour.
+    pub latency: u64,
+}
+
+/// Words of one beam on the links.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LinkWords {
+    /// Over the busiest link in its busier direction.
+    pub busiest: u64,
+    /// Over all links in both directions.
+    pub all: u64,
+}
+
+/// Words `x` of a beam, from `start` to before `end`, that move by the same number of lanes.
+#[derive(Clone, Copy, Debug)]
+struct Group {
+    start: usize,
+    end: usize,
+    turn: usize,
+}
+
+impl BoardSpec {
+    /// The data sheet of a machine.
+    pub fn new(machine: &MachineSpec) -> BoardSpec {
+        BoardSpec { boards: machine.boards.count, lanes: machine.lanes, latency: machine.boards.link_latency_cycles }
+    }
+
+    /// The first lane of a board: boards differ by a lane at most.
+    pub fn first_lane(&self, board: usize) -> usize {
+        board * self.lanes / self.boards
+    }
+
+    /// The board of a lane.
+    pub fn board(&self, lane: usize) -> usize {
+        ((lane + 1) * self.boards - 1) / self.lanes
+    }
+
+    /// Links from a board to another, the shorter way round.
+    pub fn hops(&self, from: usize, to: usize) -> usize {
+        let forwards = (to + self.boards - from) % self.boards;
+        forwards.min(self.boards - forwards)
+    }
+
+    /// Links to the farthest board.
+    pub fn diameter(&self) -> usize {
+        self.boards / 2
+    }
+
+    /// Links that a lane's neighbour at this distance can be away.
+    pub fn neighbour_hops(&self, lanes: usize) -> usize {
+        lanes.div_ceil(self.lanes / self.boards).min(self.diameter())
+    }
+
+    /// Words of the beam of row `v` at a depth over each link (link b joins board b − 1 and board b), forwards and backwards,
+    /// word by word and lane by lane. The definition.
+    pub fn walk(&self, geometry: &Geometry, v: usize, depth: usize) -> Vec<[u64; 2]> {
+        let mut links = vec![[0; 2]; self.boards];
+        if self.boards == 1 {
+            return links;
+        }
+        for x in 0..geometry.size[0] {
+            let from = output_lane(self.lanes, [x, v, depth]);
+            let to = module(self.lanes, slot(geometry, x, depth), depth);
+            let turn = (to + self.lanes - from) % self.lanes;
+            let backwards = usize::from(2 * turn > self.lanes);
+            let steps = if backwards == 1 { self.lanes - turn } else { turn };
+            let mut lane = from;
+            for _ in 0..steps {
+                let next = (lane + if backwards == 1 { self.lanes - 1 } else { 1 }) % self.lanes;
+                if self.board(lane) != self.board(next) {
+                    links[self.board(if backwards == 1 { lane } else { next })][backwards] += 1;
+                }
+                lane = next;
+            }
+        }
+        links
+    }
+
+    /// The same in closed form: of words that turn by r lanes, those cross a link that start in the r lanes before it.
+    pub fn link_words(&self, geometry: &Geometry, v: usize, depth: usize) -> LinkWords {
+        let mut words = LinkWords::default();
+        if self.boards == 1 {
+            return words;
+        }
+        let groups = self.groups(geometry, v, depth);
+        for board in 0..self.boards {
+            let link = self.first_lane(board);
+            let mut crossing = [0; 2];
+            for group in groups {
+                let back = self.lanes - group.turn;
+                if group.turn <= back {
+                    crossing[0] += self.in_window(group, v + depth, link + back, group.turn);
+                } else {
+                    crossing[1] += self.in_window(group, v + depth, link, back);
+                }
+            }
+            words.busiest = words.busiest.max(crossing[0]).max(crossing[1]);
+            words.all += crossing[0] + crossing[1];
+        }
+        words
+    }
+
+    /// The words of a beam by how far they turn: those at and behind the column of the discrete rays, and those before it, which are
+    /// of other rays where slots are shared.
+    fn groups(&self, geometry: &Geometry, v: usize, depth: usize) -> [Group; 2] {
+        let [n, column] = [geometry.size[0], geometry.u.columns[depth] as usize];
+        let turn = |ahead: usize, behind: usize| (ahead + self.lanes - behind % self.lanes) % self.lanes;
+        match geometry.slots {
+            RaySlots::Wrapped => {
+                let column = column % n;
+                [
+                    Group { start: column, end: n, turn: turn(0, column + v) },
+                    Group { start: 0, end: column, turn: turn(n, column + v) },
+                ]
+            }
+            RaySlots::Padded => {
+                let turn = turn(geometry.shear_u(), column + v);
+                [Group { start: 0, end: n, turn }, Group { start: n, end: n, turn }]
+            }
+        }
+    }
+
+    /// How many words of a group start in the `width` lanes from `first` on; word x starts in lane x + `skew`.
+    fn in_window(&self, group: Group, skew: usize, first: usize, width: usize) -> u64 {
+        let lanes = self.lanes;
+        let count = group.end - group.start;
+        let (rounds, rest) = (count / lanes, count % lanes);
+        let ahead = (first + lanes - (group.start + skew) % lanes) % lanes;
+        let straight = rest.min(ahead + width).saturating_sub(ahead);
+        let around = rest.min((ahead + width).saturating_sub(lanes));
+        (rounds * width + straight + around) as u64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::golden::rotation;
+    use cube3_host::{Axes, TemplateRule, largest_offset, slope_register};
+    use proptest::prelude::*;
+
+    fn geometry(size: [usize; 3], slopes: [f64; 2], slots: RaySlots) -> Geometry {
+        let rule = TemplateRule::SampleFloor;
+        let slopes = slopes.map(slope_register);
+        let offset = largest_offset(rule, slopes, 8).min(128);
+        Geometry::new(size, Axes { axis: [0, 1, 2], reversed: [false; 3] }, slopes, offset, 8, rule, slots)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn the_closed_form_is_the_walk(
+            size in [1_usize..20, 1_usize..9, 1_usize..20], du in 0.0..=1.0_f64, dv in 0.0..=1.0_f64, padded: bool,
+            lanes in 1_usize..14, part in 0.0..1.0_f64, v in 0_usize..9, depth in 0_usize..20,
+        ) {
+            let slots = if padded { RaySlots::Padded } else { RaySlots::Wrapped };
+            let geometry = geometry(size, [du, dv], slots);
+            let (v, depth) = (v % size[1], depth % size[2]);
+            let boards = 1 + (part * lanes as f64) as usize;
+            let spec = BoardSpec { boards, lanes, latency: 1 };
+            let walk = spec.walk(&geometry, v, depth);
+            let busiest = walk.iter().flatten().copied().max().unwrap();
+            let all = walk.iter().flatten().sum();
+            prop_assert_eq!(spec.link_words(&geometry, v, depth), LinkWords { busiest, all });
+        }
+
+        #[test]
+        fn a_full_beam_sends_its_rotation_over_every_link(
+            n in 2_usize..20, du in 0.0..=1.0_f64, dv in 0.0..=1.0_f64, plane in 0_usize..20, depth in 0_usize..20, part in 0.0..1.0_f64,
+        ) {
+            let geometry = geometry([n; 3], [du, dv], RaySlots::Wrapped);
+            let (plane, depth) = (plane % n, depth % n);
+            let boards = 2 + (part * (n - 1) as f64) as usize;
+            let row = (plane + geometry.v.columns[depth] as usize) % n;
+            let turned = rotation(&geometry, plane, depth);
+            let words = BoardSpec { boards, lanes: n, latency: 1 }.link_words(&geometry, row, depth);
+            let each = turned.min(n - turned) as u64;
+            prop_assert_eq!(words, LinkWords { busiest: each, all: boards as u64 * each });
+        }
+
+        #[test]
+        fn boards_have_their_lanes(lanes in 1_usize..200, part in 0.0..1.0_f64) {
+            let boards = 1 + (part * lanes as f64) as usize;
+            let spec = BoardSpec { boards, lanes, latency: 1 };
+            for lane in 0..lanes {
+                let board = spec.board(lane);
+                prop_assert!(spec.first_lane(board) <= lane && lane < spec.first_lane(board + 1));
+            }
+            for board in 0..boards {
+                let width = spec.first_lane(board + 1) - spec.first_lane(board);
+                prop_assert!(width == lanes / boards || width == lanes.div_ceil(boards));
+            }
+        }
+    }
+
+    #[test]
+    fn the_way_round_is_the_shorter_one() {
+        let spec = BoardSpec { boards: 8, lanes: 512, latency: 1 };
+        assert_eq!([1, 4, 5, 7].map(|to| spec.hops(0, to)), [1, 4, 3, 1]);
+        assert_eq!((spec.diameter(), spec.neighbour_hops(2)), (4, 1));
+        let narrow = BoardSpec { boards: 8, lanes: 9, latency: 1 };
+        assert_eq!(narrow.neighbour_hops(2), 2);
+        assert_eq!(BoardSpec { boards: 1, ..spec }.neighbour_hops(2), 0);
+    }
+}
