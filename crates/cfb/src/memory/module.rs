@@ -153,6 +153,11 @@ impl Module {
         tick
     }
 
+    /// Whether the constraints and the command bus allow a command to a bank at a tick.
+    pub fn ready(&self, timing: &Timing, command: Command, bank: usize, tick: i64) -> bool {
+        self.free(timing, command, bank, tick) == tick
+    }
+
     /// The first tick, not before `tick`, at which the constraints and the command bus allow a command to a bank.
     #[inline]
     fn free(&self, timing: &Timing, command: Command, bank: usize, tick: i64) -> i64 {
