@@ -1,8 +1,8 @@
 //! Random machines, scenes and volumes for the tests that cross crates.
 
 use cube3_host::{
-    Abc, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, GradientMethod, HostLink, MachineSpec,
-    RaySlots, Rays, Reuse, ShadingUnit, TemplateRule, Trilin, VolumeInfo,
+    Abc, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, GradientMethod, HostLink, Layout,
+    MachineSpec, MemoryModel, RaySlots, Rays, Reuse, ShadingUnit, TemplateRule, Trilin, VolumeInfo,
 };
 use cube3_scene::{ColourPoint, Crop, Cut, DepthCue, Layer, Light, Material, Mode, Scene, Threshold, Transfer, View};
 use cube3_word::{Rounding, Words};
@@ -115,6 +115,17 @@ struct Fabric {
     planes: usize,
 }
 
+/// Memory clock, type and layout of a frame buffer beside a pipeline of 50 MHz; the ideal one as often as all others.
+fn memories() -> impl Strategy<Value = (Option<f64>, Cfb)> {
+    let kinds = proptest::sample::select(MemoryModel::TABLE.map(|model| model.kind).to_vec());
+    let slow = (kinds, proptest::option::of(0.4..2.0_f64), any::<bool>()).prop_map(|(memory, speed, blocks)| {
+        let clock = MemoryModel::of(memory).clock_hz.unwrap_or(50e6);
+        let layout = if blocks { Layout::Blocks } else { Layout::Rows };
+        (speed.map(|speed| speed * clock), Cfb { memory, layout, ..Cfb::default() })
+    });
+    prop_oneof![Just((None, Cfb::default())), slow]
+}
+
 /// Machines of every kind that can run, with 1 to 9 lanes.
 pub fn machines() -> impl Strategy<Value = MachineSpec> {
     let methods = proptest::sample::select(GradientMethod::ALL.map(|(method, _)| method).to_vec());
@@ -128,8 +139,15 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
         proptest::sample::select(Reuse::ALL.to_vec()),
         any::<bool>(),
     );
-    (words(), methods, channels, rays, rest, fabrics()).prop_map(
-        |(words, gradient, channels, (padded, plane, offset), (lanes, skew, planes, reuse, table), fabric)| {
+    (words(), methods, channels, rays, rest, (memories(), fabrics())).prop_map(
+        |(
+            words,
+            gradient,
+            channels,
+            (padded, plane, offset),
+            (lanes, skew, planes, reuse, table),
+            ((memory_clock_hz, cfb), fabric),
+        )| {
             let [beams, aligned, rays, samples, shaded, pixels] = channels;
             MachineSpec {
                 lanes,
@@ -139,7 +157,8 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
                     template: if plane { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
                     offset,
                 },
-                cfb: Cfb { skew, ..Cfb::default() },
+                clock_hz: 50e6,
+                cfb: Cfb { skew, memory_clock_hz, ..cfb },
                 bus: fabric.bus,
                 boards: Boards {
                     count: 1 + (fabric.boards * lanes as f64) as usize,

@@ -10,6 +10,8 @@
 
 mod array;
 mod module;
+#[cfg(test)]
+mod tests;
 mod timing;
 
 pub use array::{MemoryState, Modules};

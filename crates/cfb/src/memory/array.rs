@@ -169,3 +169,75 @@ impl MemoryState {
         &self.counters
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bitvec::prelude::*;
+    use cube3_host::{Cfb, Layout, RaySlots, Rays, VolumeInfo, frame_setup};
+    use cube3_scene::{Scene, View};
+    use proptest::prelude::*;
+
+    /// Has modules read a beam as the hardware would: `lanes` voxels at a time, in each cycle a word of each module that has one left.
+    fn read_beam(
+        modules: &Modules,
+        each: &mut [Module],
+        geometry: &Geometry,
+        [v, w]: [usize; 2],
+        now: i64,
+        counters: &mut MemoryCounters,
+    ) -> Vec<Served> {
+        let mut steps = Vec::new();
+        for first in (0..geometry.size[0]).step_by(each.len()) {
+            let mut waiting: Vec<usize> = (first..(first + each.len()).min(geometry.size[0])).collect();
+            while !waiting.is_empty() {
+                let mut taken = bitvec![0; each.len()];
+                let mut all = Served::AT_ONCE;
+                waiting.retain(|&u| {
+                    let xyz = geometry.axes.voxel(geometry.size, [u, v, w]);
+                    let module = modules.placement.skew.module(xyz.map(|i| i as i64));
+                    if taken.replace(module, true) {
+                        return true;
+                    }
+                    let address = modules.placement.address(xyz) as u64;
+                    all = all.and(each[module].read(&modules.timing, address, now, counters));
+                    false
+                });
+                steps.push(all);
+            }
+        }
+        steps
+    }
+
+    proptest! {
+        #[test]
+        fn modules_that_nothing_tells_apart_are_one_and_the_others_read_their_voxels(
+            lanes in 1_usize..7, dims in [1_usize..13, 1_usize..13, 1_usize..13], direction in [-1.0..1.0_f64, -1.0..1.0_f64, -1.0..1.0_f64],
+            skew in prop_oneof![Just([1_i64; 3]), [-3_i64..4, -3_i64..4, -3_i64..4]], blocks: bool, pace in 0_i64..40,
+            kind in proptest::sample::select(MemoryModel::TABLE.map(|model| model.kind).to_vec()),
+        ) {
+            prop_assume!(direction.iter().any(|x| x.abs() > 0.01));
+            let layout = if blocks { Layout::Blocks } else { Layout::Rows };
+            let cfb = Cfb { skew, memory: kind, memory_clock_hz: Some(20e6), layout };
+            let machine = MachineSpec { lanes, cfb, rays: Rays { slots: RaySlots::Wrapped, ..Rays::default() }, ..MachineSpec::default() };
+            let scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
+            let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };
+            let geometry = frame_setup(&scene, &machine, &volume, true).unwrap().setup.geometry;
+            prop_assert_eq!(geometry.dims(), dims);
+            let modules = Modules::new(&machine, dims).unwrap();
+            let mut state = modules.start(1);
+            let mut each = vec![Module::new(&modules.timing); lanes];
+            let mut counters = MemoryCounters::default();
+            for v in 0..geometry.size[1] {
+                for w in 0..geometry.size[2] {
+                    let expected = read_beam(&modules, &mut each, &geometry, [v, w], state.now, &mut counters);
+                    for (step, expected) in expected.into_iter().enumerate() {
+                        prop_assert_eq!(modules.serve(&mut state, &geometry, [v, w], step as u64), expected);
+                    }
+                    prop_assert_eq!(state.counters[0], counters);
+                    state.now += pace;
+                }
+            }
+        }
+    }
+}

@@ -5,7 +5,7 @@
 //! whose first command would not come before it.
 
 use super::Timing;
-use cube3_host::{Command, MemoryModel, Scope};
+use cube3_host::{Command, MemoryModel};
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
 
@@ -20,11 +20,11 @@ const _: () = assert!(3 * MemoryModel::MOST_AHEAD + 2 <= BOOKED);
 /// A memory module.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Module {
-    banks: Vec<Bank>,
-    /// The last tick of each command, by group of banks.
-    groups: Vec<[i64; 5]>,
-    /// The last ticks of each command, the latest first.
-    history: [[i64; 4]; 5],
+    /// The open row of each bank.
+    rows: Vec<u64>,
+    /// Last ticks of commands, where [`Timing`] places them: for each command the last four in the module, the latest first; for
+    /// each group, and for each bank, the last of each command.
+    marks: Vec<i64>,
     /// Ticks of the last commands on the bus of the rows, or on the one bus that there is.
     booked: [i64; BOOKED],
     next_booked: usize,
@@ -35,12 +35,6 @@ pub struct Module {
     #[cfg(test)]
     #[serde(skip)]
     pub(super) log: Vec<(Command, usize, i64)>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-struct Bank {
-    row: u64,
-    last: [i64; 5],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -125,9 +119,8 @@ impl Module {
     /// A module with every bank closed, at tick 0.
     pub fn new(timing: &Timing) -> Module {
         Module {
-            banks: vec![Bank { row: CLOSED, last: [NEVER; 5] }; timing.banks()],
-            groups: vec![[NEVER; 5]; timing.groups()],
-            history: [[NEVER; 4]; 5],
+            rows: vec![CLOSED; timing.banks()],
+            marks: vec![NEVER; timing.marks()],
             booked: [NEVER; BOOKED],
             next_booked: 0,
             last_booked: NEVER,
@@ -141,16 +134,17 @@ impl Module {
     /// The first tick at which the constraints allow a command to a bank.
     #[inline]
     pub fn earliest(&self, timing: &Timing, command: Command, bank: usize) -> i64 {
+        let group = timing.group(bank);
         let mut tick = NEVER;
         for rule in &timing.rules[command as usize] {
-            let last = match rule.scope {
-                Scope::Bank => self.banks[bank].last[rule.from as usize],
-                Scope::Group => self.groups[bank & (self.groups.len() - 1)][rule.from as usize],
-                Scope::Module => self.history[rule.from as usize][rule.nth - 1],
-            };
-            tick = tick.max(last + rule.ticks);
+            tick = tick.max(self.marks[rule.first + rule.by_group * group + rule.by_bank * bank] + rule.ticks);
         }
         tick
+    }
+
+    /// Whether the constraints and the command bus allow a command to a bank at a tick.
+    pub fn ready(&self, timing: &Timing, command: Command, bank: usize, tick: i64) -> bool {
+        self.free(timing, command, bank, tick) == tick
     }
 
     /// The first tick, not before `tick`, at which the constraints and the command bus allow a command to a bank.
@@ -172,13 +166,15 @@ impl Module {
             self.next_booked = (self.next_booked + 1) % BOOKED;
             self.last_booked = self.last_booked.max(tick);
         }
-        self.note(command, bank, tick);
+        self.note(timing, command, bank, tick);
+        let last = &mut self.marks[timing.in_module(command)..][..Timing::KEPT];
         // Banks may be closed in another order than that of the words.
-        let history = &mut self.history[command as usize];
-        let place = history.iter().position(|&earlier| tick >= earlier).unwrap_or(history.len());
-        if place < history.len() {
-            history[place..].rotate_right(1);
-            history[place] = tick;
+        let place = last.iter().position(|&earlier| tick >= earlier).unwrap_or(Timing::KEPT);
+        for i in (place + 1..Timing::KEPT).rev() {
+            last[i] = last[i - 1];
+        }
+        if place < Timing::KEPT {
+            last[place] = tick;
         }
         #[cfg(test)]
         self.log.push((command, bank, tick));
@@ -186,11 +182,12 @@ impl Module {
 
     /// Remembers a command where constraints on its bank and group look for it.
     #[inline]
-    fn note(&mut self, command: Command, bank: usize, tick: i64) {
-        self.banks[bank].last[command as usize] = tick;
-        let group = bank & (self.groups.len() - 1);
-        let last = &mut self.groups[group][command as usize];
-        *last = tick.max(*last);
+    fn note(&mut self, timing: &Timing, command: Command, bank: usize, tick: i64) {
+        self.marks[timing.in_bank(command, bank)] = tick;
+        if timing.groups() > 1 {
+            let last = &mut self.marks[timing.in_group(command, timing.group(bank))];
+            *last = tick.max(*last);
+        }
     }
 
     /// Reads a word that has been asked for at tick `asked`, behind all words asked for before it.
@@ -244,7 +241,7 @@ impl Module {
         let bank = row as usize & (rows.banks - 1);
         let mut refresh_until = NEVER;
         let (first, tick) = loop {
-            let first = match self.banks[bank].row {
+            let first = match self.rows[bank] {
                 open if open == row => command,
                 CLOSED => Command::Activate,
                 _ => Command::Precharge,
@@ -268,7 +265,7 @@ impl Module {
         } else {
             counters.row_misses += 1;
         }
-        self.banks[bank].row = row;
+        self.rows[bank] = row;
         let tick = self.free(timing, command, bank, asked);
         self.issue(timing, command, bank, tick);
         Column { tick, opened: true, refresh_until }
@@ -280,16 +277,16 @@ impl Module {
         let Some(interval) = timing.refresh_interval else {
             return;
         };
-        let open = |bank: &usize| self.banks[*bank].row != CLOSED;
-        let banks: Vec<usize> = (0..self.banks.len()).filter(open).collect();
+        let open = |bank: &usize| self.rows[*bank] != CLOSED;
+        let banks: Vec<usize> = (0..self.rows.len()).filter(open).collect();
         if let Some(&first) = banks.first() {
             // One command closes all, when the last of them may be closed.
             let due = banks.iter().map(|&bank| self.earliest(timing, Command::Precharge, bank)).max();
             let close = self.free(timing, Command::Precharge, first, due.unwrap_or(NEVER).max(self.refresh_due));
             self.issue(timing, Command::Precharge, first, close);
             for bank in banks {
-                self.banks[bank].row = CLOSED;
-                self.note(Command::Precharge, bank, close);
+                self.rows[bank] = CLOSED;
+                self.note(timing, Command::Precharge, bank, close);
             }
         }
         let refresh = self.free(timing, Command::Refresh, 0, self.refresh_due);

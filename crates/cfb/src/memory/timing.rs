@@ -1,6 +1,6 @@
 //! A row of the table of memory modules in ticks of a clock.
 
-use cube3_host::{Command, MemoryModel, Rows, Scope};
+use cube3_host::{Command, Constraint, MemoryModel, Rows, Scope};
 
 /// What a module must keep to, in ticks.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -23,29 +23,19 @@ pub struct Timing {
     pub(super) rules: [Vec<Rule>; 5],
 }
 
-/// A constraint in ticks.
+/// A constraint: so many ticks behind the mark of an earlier command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Rule {
-    pub from: Command,
-    pub scope: Scope,
-    pub nth: usize,
+    pub first: usize,
+    pub by_group: usize,
+    pub by_bank: usize,
     pub ticks: i64,
 }
 
 impl Timing {
     /// The timing of a module at a memory clock in hertz.
     pub fn new(model: &MemoryModel, clock_hz: f64) -> Timing {
-        let rules = Command::ALL.map(|to| {
-            let constraints = model.constraints.iter().filter(|constraint| constraint.to == to);
-            let rule = |constraint: &cube3_host::Constraint| Rule {
-                from: constraint.from,
-                scope: constraint.scope,
-                nth: constraint.nth,
-                ticks: constraint.span.ceil(clock_hz) as i64,
-            };
-            constraints.map(rule).collect()
-        });
-        Timing {
+        let mut timing = Timing {
             rows: model.rows,
             burst: model.burst,
             words_per_tick: model.words_per_tick,
@@ -53,16 +43,72 @@ impl Timing {
             refresh_interval: model.refresh_interval.map(|interval| interval.floor(clock_hz) as i64),
             column_bus: model.column_bus,
             look_ahead: model.look_ahead,
-            rules,
-        }
+            rules: Default::default(),
+        };
+        timing.rules = Command::ALL.map(|to| {
+            let constraints = model.constraints.iter().filter(|constraint| constraint.to == to);
+            constraints.map(|constraint| timing.rule(constraint, clock_hz)).collect()
+        });
+        timing
+    }
+
+    fn rule(&self, constraint: &Constraint, clock_hz: f64) -> Rule {
+        let (from, ticks) = (constraint.from, constraint.span.ceil(clock_hz) as i64);
+        let [by_group, by_bank] = match constraint.scope {
+            Scope::Module => [0, 0],
+            Scope::Group => [Self::COMMANDS, 0],
+            Scope::Bank => [0, Self::COMMANDS],
+        };
+        let first = match constraint.scope {
+            Scope::Module => self.in_module(from) + constraint.nth - 1,
+            Scope::Group => self.in_group(from, 0),
+            Scope::Bank => self.in_bank(from, 0),
+        };
+        Rule { first, by_group, by_bank, ticks }
+    }
+
+    const COMMANDS: usize = Command::ALL.len();
+
+    /// Last ticks of each command that a module keeps.
+    pub(super) const KEPT: usize = 4;
+
+    /// The first of the marks of a command in the module.
+    #[inline]
+    pub(super) fn in_module(&self, command: Command) -> usize {
+        Self::KEPT * command as usize
+    }
+
+    /// The mark of a command in a group of banks.
+    #[inline]
+    pub(super) fn in_group(&self, command: Command, group: usize) -> usize {
+        Self::COMMANDS * (Self::KEPT + group) + command as usize
+    }
+
+    /// The mark of a command in a bank.
+    #[inline]
+    pub(super) fn in_bank(&self, command: Command, bank: usize) -> usize {
+        Self::COMMANDS * (Self::KEPT + self.groups() + bank) + command as usize
+    }
+
+    /// All marks.
+    pub(super) fn marks(&self) -> usize {
+        self.in_bank(Command::Activate, self.banks())
+    }
+
+    /// The group of a bank.
+    #[inline]
+    pub(super) fn group(&self, bank: usize) -> usize {
+        bank & (self.groups() - 1)
     }
 
     /// Banks of a module.
+    #[inline]
     pub fn banks(&self) -> usize {
         self.rows.map_or(1, |rows| rows.banks)
     }
 
     /// Groups of banks.
+    #[inline]
     pub fn groups(&self) -> usize {
         self.rows.map_or(1, |rows| rows.groups)
     }
