@@ -27,11 +27,7 @@ impl RayWords {
         // A lane of each side of each link, for each chunk of the ray.
         let lanes = (2 * boards * setup.geometry.size[2].div_ceil(machine.lanes)) as u64;
         let reach = setup.gradient.map_or(0, |gradient| reach(gradient.method));
-        RayWords {
-            trilin: 2 * lanes,
-            abc: reach as u64 * lanes,
-            cone: ConeSpec::new(machine, setup).link_words(),
-        }
+        RayWords { trilin: 2 * lanes, abc: reach as u64 * lanes, cone: ConeSpec::new(machine, setup).link_words() }
     }
 
     /// The words of so many rays.
@@ -41,11 +37,7 @@ impl RayWords {
 
     /// The sum.
     pub fn plus(self, other: RayWords) -> RayWords {
-        RayWords {
-            trilin: self.trilin + other.trilin,
-            abc: self.abc + other.abc,
-            cone: self.cone + other.cone,
-        }
+        RayWords { trilin: self.trilin + other.trilin, abc: self.abc + other.abc, cone: self.cone + other.cone }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Random machines, scenes and volumes for the tests that cross crates.
 
 use cube3_host::{
-    Abc, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, GradientMethod, HostLink, MachineSpec, RaySlots,
-    Rays, Reuse, ShadingUnit, TemplateRule, Trilin, VolumeInfo,
+    Abc, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, GradientMethod, HostLink, MachineSpec,
+    RaySlots, Rays, Reuse, ShadingUnit, TemplateRule, Trilin, VolumeInfo,
 };
 use cube3_scene::{ColourPoint, Crop, Cut, DepthCue, Layer, Light, Material, Mode, Scene, Threshold, Transfer, View};
 use cube3_word::{Rounding, Words};

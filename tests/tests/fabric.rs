@@ -5,7 +5,8 @@ use cube3::machine::{Machine, RunCounters};
 use cube3::run::frame_interval;
 use cube3_channel::Reason;
 use cube3_host::{
-    Abc, Boards, Bus, Cone, ConeKind, Dsb, Frame, Frames, HostLink, MachineSpec, RaySlots, Rays, VolumeInfo, frame_setup,
+    Abc, Boards, Bus, Cone, ConeKind, Dsb, Frame, Frames, HostLink, MachineSpec, RaySlots, Rays, VolumeInfo,
+    frame_setup,
 };
 use cube3_scene::{Scene, View};
 use proptest::prelude::*;
@@ -128,7 +129,8 @@ fn each_kind_of_cone_sets_its_rate_and_its_drain() {
     let (counters, interval) = run(&with(ConeKind::Accumulator));
     assert_eq!(interval, SQUARE * N as u64, "a sample a cycle");
     let (_, cfb) = counters.units[0];
-    assert!(cfb.blocked > 60 * SQUARE, "{}", cfb.blocked);
+    // The buffers let the memory run ahead by the planes that they hold: three of voxels and four of samples, of 64.
+    assert!(cfb.blocked > 55 * SQUARE, "{}", cfb.blocked);
 }
 
 #[test]

@@ -100,7 +100,9 @@ impl ConeSpec {
         let boards = self.boards as u64;
         match self.kind {
             _ if boards == 1 => [0, 0],
-            ConeKind::FoldedTree | ConeKind::ShiftedTree => [self.upper_levels().map(|(distance, _)| distance).sum(), 0],
+            ConeKind::FoldedTree | ConeKind::ShiftedTree => {
+                [self.upper_levels().map(|(distance, _)| distance).sum(), 0]
+            }
             ConeKind::Chain => [boards - 1, boards],
             ConeKind::Accumulator => [boards / 2, 0],
         }
@@ -109,7 +111,8 @@ impl ConeSpec {
     /// Levels of a tree between boards: the links from the right child's board to the left's, the shorter way round, and pairs.
     fn upper_levels(&self) -> impl Iterator<Item = (u64, u64)> {
         let boards = self.boards as u64;
-        let strides = std::iter::successors(Some(1), |stride| Some(stride * 2)).take_while(move |stride| *stride < boards);
+        let strides =
+            std::iter::successors(Some(1), |stride| Some(stride * 2)).take_while(move |stride| *stride < boards);
         strides.map(move |stride| (stride.min(boards - stride), (boards - stride).div_ceil(2 * stride)))
     }
 

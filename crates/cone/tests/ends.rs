@@ -80,7 +80,8 @@ fn leaves_are_exact_at_their_ends_and_no_brighter_than_opaque() {
     for (opacity_bits, colour_bits, bits) in [(1, 1, 1), (3, 4, 5), (4, 3, 2), (5, 5, 5), (2, 6, 32), (4, 4, 16)] {
         for rounding in ROUNDINGS {
             let words = Words { opacity_bits, colour_bits, ..words(bits, rounding) };
-            let cone = ConeRegisters { mode: Mode::Composite, order: ConeOrder::Tree, leaves: 1, opaque: 1, sum_weight: 0 };
+            let cone =
+                ConeRegisters { mode: Mode::Composite, order: ConeOrder::Tree, leaves: 1, opaque: 1, sum_weight: 0 };
             for opacity in 0..=unit_full(opacity_bits) {
                 for colour in 0..=unit_full(colour_bits) {
                     let shaded =

@@ -143,7 +143,8 @@ fn the_deepest_weighted_sum_fits_the_narrow_words() {
     let full = Shaded { present: true, sample: 1, opacity: 65535, colour: [65535; 3] };
     let depths = vec![Depth { row: Some((0, vec![full; 3])), skip: true }; 4096];
     for sum_weight in [1 << 20, (1 << 20) + 1, 1 << 32] {
-        let cone = ConeRegisters { mode: Mode::WeightedSum, order: ConeOrder::Tree, leaves: 100, opaque: 1, sum_weight };
+        let cone =
+            ConeRegisters { mode: Mode::WeightedSum, order: ConeOrder::Tree, leaves: 100, opaque: 1, sum_weight };
         assert_rows::<u32>(&depths, &cone, &words, true);
         assert_rows::<u64>(&depths, &cone, &words, true);
     }

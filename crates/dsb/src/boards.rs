@@ -42,11 +42,7 @@ struct Group {
 impl BoardSpec {
     /// The data sheet of a machine.
     pub fn new(machine: &MachineSpec) -> BoardSpec {
-        BoardSpec {
-            boards: machine.boards.count,
-            lanes: machine.lanes,
-            latency: machine.boards.link_latency_cycles,
-        }
+        BoardSpec { boards: machine.boards.count, lanes: machine.lanes, latency: machine.boards.link_latency_cycles }
     }
 
     /// The first lane of a board: boards differ by a lane at most.

@@ -23,13 +23,13 @@ pub use machine::{
     GradientMethod, HostLink, Layout, MachineError, MachineSpec, MemoryType, Rays, Reuse, ShadingUnit, Trilin,
 };
 pub use registers::{
-    Classification, ConeOrder, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, HalfSpace, Linear,
-    LinearFactor, Normaliser, Phong, PhongLight, ReflectanceTable, Shading,
+    Classification, ConeOrder, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, HalfSpace,
+    Linear, LinearFactor, Normaliser, Phong, PhongLight, ReflectanceTable, Shading,
 };
 pub(crate) use setup::gradient_scale;
 pub use setup::{
-    Basis, Frame, HostError, LARGEST_RATIO, LARGEST_SIDE, LeftOut, SPACING_RANGE, VolumeInfo, check_bus, depth_range, frame_setup,
-    step_length,
+    Basis, Frame, HostError, LARGEST_RATIO, LARGEST_SIDE, LeftOut, SPACING_RANGE, VolumeInfo, check_bus, depth_range,
+    frame_setup, step_length,
 };
 pub use template::{SLOPE_FRACTION_BITS, Template, TemplateRule, largest_offset, slope_register};
 pub use warp::{BasePlane, over, warp, warp_reals};

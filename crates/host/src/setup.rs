@@ -1,8 +1,8 @@
 //! Makes the `FrameSetup`: scene and machine in, registers and tables out.
 
 use crate::{
-    Axes, BusKind, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientScale, HalfSpace, Linear,
-    LinearFactor, MachineSpec, ShadingUnit, canonical, classification, largest_offset, shading, slope_register,
+    Axes, BusKind, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientScale, HalfSpace,
+    Linear, LinearFactor, MachineSpec, ShadingUnit, canonical, classification, largest_offset, shading, slope_register,
 };
 use cube3_scene::{Mode, Scene, SceneError, ViewFrame};
 use cube3_word::{quantise_fraction, quantise_unit};

@@ -3,9 +3,9 @@
 
 use cube3_abc::golden::Neighbourhood;
 use cube3_host::{
-    Abc, Axes, Classification, ConeOrder, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientRows,
-    GradientScale, HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, Phong, PhongLight, RaySlots, Rays,
-    ReflectanceTable, Reuse, Shading, ShadingUnit, TemplateRule, VolumeInfo, frame_setup,
+    Abc, Axes, Classification, ConeOrder, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters,
+    GradientRows, GradientScale, HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, Phong, PhongLight, RaySlots,
+    Rays, ReflectanceTable, Reuse, Shading, ShadingUnit, TemplateRule, VolumeInfo, frame_setup,
 };
 use cube3_scene::{ColourPoint, Crop, Cut, DepthCue, Layer, Light, Material, Mode, Scene, Threshold, Transfer, View};
 use cube3_word::{Rounding, Words, unit_full};
