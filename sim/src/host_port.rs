@@ -92,7 +92,7 @@ struct State {
     /// Frame that is arriving.
     frame: u32,
     /// Slots of that frame.
-    received: u64,
+    arrived: u64,
     /// Slots of all frames.
     total: u64,
     /// Cycles spent on the group in hand.
@@ -153,10 +153,10 @@ impl<C: Collect> HostPort<C> {
         }
         frame.collector.collect(&frames[group.frame as usize], &group.data);
         pixels.pop_slot();
-        self.state.received += 1;
+        self.state.arrived += 1;
         self.state.total += 1;
-        if self.state.received == frame.slots {
-            self.state.received = 0;
+        if self.state.arrived == frame.slots {
+            self.state.arrived = 0;
             self.state.frame += 1;
         }
         activity

@@ -96,8 +96,10 @@ fn two_three_and_four_planes_with_one_port_and_two() {
     // Written and read in turn, each plane takes both.
     assert_eq!([interval(3, 2), interval(4, 2)], [SQUARE; 2]);
     assert_eq!([interval(3, 1), interval(4, 1)], [2 * SQUARE; 2]);
-    // Two buffers with two ports overlap a write and a read in the one cycle in which the last ray leaves.
-    assert!(interval(2, 1) <= 2 * SQUARE && interval(2, 2) > SQUARE * 19 / 10);
+    // Two buffers take turns, too, but that with two ports a plane's last ray leaves while the next plane's first beam comes, and the
+    // last plane is read together with the first, which is kept: no turn for it.
+    let n = N as u64;
+    assert_eq!([interval(2, 1), interval(2, 2)], [2 * SQUARE, (n - 1) * (2 * n - 1) + n]);
 }
 
 #[test]
@@ -105,8 +107,9 @@ fn three_planes_of_samples_run_slower_and_two_cannot() {
     let with = |planes| MachineSpec { abc: Abc { planes, ..Abc::default() }, ..base() };
     let intervals = [3, 4, 5].map(|planes| run(&with(planes)).1);
     println!("sample planes 3, 4, 5: {intervals:?}");
-    assert!(intervals[0] > SQUARE);
-    assert_eq!(intervals[1..], [SQUARE; 2]);
+    // Slots close along u: the first ray of a plane is shaded last, after its neighbours, and the input stands for two cycles a plane
+    // but for the first and the last, whose samples are kept.
+    assert_eq!(intervals, [SQUARE + 2 * (N as u64 - 2), SQUARE, SQUARE]);
     let machine = with(2);
     let mut run = Machine::timing(&machine, vec![frame(&machine, N).setup]).unwrap();
     let text = run.run(&|_, _| {}).unwrap_err().to_string();
@@ -129,7 +132,8 @@ fn each_kind_of_cone_sets_its_rate_and_its_drain() {
     let (counters, interval) = run(&with(ConeKind::Accumulator));
     assert_eq!(interval, SQUARE * N as u64, "a sample a cycle");
     let (_, cfb) = counters.units[0];
-    assert!(cfb.blocked > 60 * SQUARE, "{}", cfb.blocked);
+    // The buffers let the memory run ahead by the planes that they hold: three of voxels and four of samples, of 64.
+    assert!(cfb.blocked > 55 * SQUARE, "{}", cfb.blocked);
 }
 
 #[test]

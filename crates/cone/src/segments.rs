@@ -1,6 +1,6 @@
 //! How many pixels a ray slot gives, from the geometry alone.
 
-use cube3_host::{Geometry, RaySlots};
+use cube3_host::{Geometry, Template};
 
 /// Pixels of each slot of a frame: one, and one more for each depth at which the slot goes over to another ray.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -15,10 +15,11 @@ impl PixelCounts {
     /// The seams of a geometry.
     pub fn new(geometry: &Geometry) -> PixelCounts {
         let [slots, planes] = geometry.slot_counts();
+        let [closes_u, closes_v] = geometry.closes();
         let depths = geometry.size[2];
-        let seams = |count: usize, n: usize, template: &cube3_host::Template| -> Vec<Vec<u32>> {
+        let seams = |count: usize, n: usize, template: &Template, closes: bool| -> Vec<Vec<u32>> {
             let turns = |slot: usize| -> Vec<u32> {
-                if geometry.slots == RaySlots::Padded {
+                if !closes {
                     return Vec::new();
                 }
                 // The k-th change is where the column reaches k·n − slot.
@@ -27,7 +28,10 @@ impl PixelCounts {
             };
             (0..count).map(turns).collect()
         };
-        PixelCounts { u: seams(slots, geometry.size[0], &geometry.u), v: seams(planes, geometry.size[1], &geometry.v) }
+        PixelCounts {
+            u: seams(slots, geometry.size[0], &geometry.u, closes_u),
+            v: seams(planes, geometry.size[1], &geometry.v, closes_v),
+        }
     }
 
     /// Pixels of a slot of a plane.

@@ -71,24 +71,21 @@ impl BoardSpec {
         lanes.div_ceil(self.lanes / self.boards).min(self.diameter())
     }
 
-    /// Words of the beam of row `v` at a depth over each link (link b joins board b − 1 and board b), forwards and backwards,
-    /// word by word and lane by lane. The definition.
-    pub fn walk(&self, geometry: &Geometry, v: usize, depth: usize) -> Vec<[u64; 2]> {
+    /// Words over each link (link b joins board b − 1 and board b), forwards and backwards, of words that move from lane to lane:
+    /// word by word and step by step, each the shorter way round. The definition, for any bus.
+    pub fn walk(&self, moves: impl IntoIterator<Item = [usize; 2]>) -> Vec<[u64; 2]> {
         let mut links = vec![[0; 2]; self.boards];
         if self.boards == 1 {
             return links;
         }
-        for x in 0..geometry.size[0] {
-            let from = output_lane(self.lanes, [x, v, depth]);
-            let to = module(self.lanes, slot(geometry, x, depth), depth);
+        for [from, to] in moves {
             let turn = (to + self.lanes - from) % self.lanes;
-            let backwards = usize::from(2 * turn > self.lanes);
-            let steps = if backwards == 1 { self.lanes - turn } else { turn };
+            let backwards = 2 * turn > self.lanes;
             let mut lane = from;
-            for _ in 0..steps {
-                let next = (lane + if backwards == 1 { self.lanes - 1 } else { 1 }) % self.lanes;
+            while lane != to {
+                let next = (lane + if backwards { self.lanes - 1 } else { 1 }) % self.lanes;
                 if self.board(lane) != self.board(next) {
-                    links[self.board(if backwards == 1 { lane } else { next })][backwards] += 1;
+                    links[self.board(if backwards { lane } else { next })][usize::from(backwards)] += 1;
                 }
                 lane = next;
             }
@@ -96,7 +93,16 @@ impl BoardSpec {
         links
     }
 
-    /// The same in closed form: of words that turn by r lanes, those cross a link that start in the r lanes before it.
+    /// The lanes from and to which the words of the beam of row `v` at a depth move, in a parallel view.
+    pub fn moves(&self, geometry: &Geometry, v: usize, depth: usize) -> impl Iterator<Item = [usize; 2]> {
+        let lanes = self.lanes;
+        (0..geometry.size[0]).map(move |x| {
+            let from = output_lane(lanes, [x, v, depth]);
+            [from, module(lanes, slot(geometry, x, depth), depth)]
+        })
+    }
+
+    /// The words of that beam in closed form: of words that turn by r lanes, those cross a link that start in the r lanes before it.
     pub fn link_words(&self, geometry: &Geometry, v: usize, depth: usize) -> LinkWords {
         let mut words = LinkWords::default();
         if self.boards == 1 {
@@ -179,7 +185,7 @@ mod tests {
             let (v, depth) = (v % size[1], depth % size[2]);
             let boards = 1 + (part * lanes as f64) as usize;
             let spec = BoardSpec { boards, lanes, latency: 1 };
-            let walk = spec.walk(&geometry, v, depth);
+            let walk = spec.walk(spec.moves(&geometry, v, depth));
             let busiest = walk.iter().flatten().copied().max().unwrap();
             let all = walk.iter().flatten().sum();
             prop_assert_eq!(spec.link_words(&geometry, v, depth), LinkWords { busiest, all });

@@ -354,7 +354,7 @@ pub struct Channels {
     pub samples: ChannelSize,
     /// Rays of coloured samples from ABC to the cone.
     pub shaded: ChannelSize,
-    /// Pixels from the cone to the host.
+    /// Pixels from the cone to the host: the latency is that of a folded tree, and other kinds add what differs.
     pub pixels: ChannelSize,
 }
 
