@@ -11,7 +11,7 @@
 //! ```
 
 use super::{Events, Recording, Token, TraceError};
-use crate::machine::{CHANNELS, UNITS};
+use crate::machine::UNITS;
 use cube3_channel::Activity;
 use fst_writer::{
     FstBodyWriter, FstFileType, FstHeaderWriter, FstInfo, FstScopeType, FstSignalId, FstSignalType, FstVarDirection,
@@ -37,7 +37,12 @@ fn time(clock_hz: f64, halves: u64) -> u64 {
     (halves as f64 * 0.5 * 10_f64.powi(-i32::from(timescale_exponent(clock_hz))) / clock_hz).round() as u64
 }
 
-struct TokenSignals([FstSignalId; 3]);
+/// Frame, plane, and depth or slot: the signals, and the words that they have.
+#[derive(Clone, Copy)]
+struct TokenSignals {
+    signals: [FstSignalId; 3],
+    last: Option<[Option<u32>; 3]>,
+}
 
 struct UnitSignals {
     activity: FstSignalId,
@@ -67,7 +72,7 @@ fn scope(header: &mut Header, name: &str) -> Result<(), TraceError> {
 
 fn token_variables(header: &mut Header, way: &str, place: &str) -> Result<TokenSignals, TraceError> {
     let mut of = |field: &str| variable(header, &format!("{way}_{field}"), TOKEN_BITS);
-    Ok(TokenSignals([of("frame")?, of("plane")?, of(place)?]))
+    Ok(TokenSignals { signals: [of("frame")?, of("plane")?, of(place)?], last: None })
 }
 
 /// A word as the letters that the writer takes, most significant first.
@@ -90,16 +95,22 @@ struct Writer {
     last: Option<Events>,
 }
 
-impl Writer {
-    fn token(&mut self, signals: [FstSignalId; 3], token: Option<Token>) -> Result<(), TraceError> {
-        let fields = token.map(|Token { frame, plane, place }| [frame, plane, place]);
-        for (i, signal) in signals.into_iter().enumerate() {
-            let value = fields.map_or([b'X'; TOKEN_BITS], |fields| bits(u64::from(fields[i])));
-            self.body.signal_change(signal, &value)?;
+impl TokenSignals {
+    /// Writes the words that are not those of before.
+    fn write(&mut self, body: &mut Body, token: Option<Token>) -> Result<(), TraceError> {
+        let words = token.map_or([None; 3], |Token { frame, plane, place }| [frame, plane, place].map(Some));
+        for i in 0..3 {
+            if self.last.is_none_or(|last| last[i] != words[i]) {
+                let value = words[i].map_or([b'X'; TOKEN_BITS], |word| bits(u64::from(word)));
+                body.signal_change(self.signals[i], &value)?;
+            }
         }
+        self.last = Some(words);
         Ok(())
     }
+}
 
+impl Writer {
     fn cycle(&mut self, clock_hz: f64, events: &Events) -> Result<(), TraceError> {
         self.body.time_change(time(clock_hz, 2 * events.cycle))?;
         self.body.signal_change(self.clock, b"1")?;
@@ -112,21 +123,19 @@ impl Writer {
                 self.body.signal_change(self.units[i].kind, &self.names[usize::from(code)])?;
             }
         }
-        for i in 0..CHANNELS {
-            let ChannelSignals { occupancy, push, pop, .. } = self.channels[i];
-            let (TokenSignals(pushed), TokenSignals(popped)) = (&self.channels[i].pushed, &self.channels[i].popped);
-            let (pushed, popped) = (*pushed, *popped);
+        for (i, channel) in self.channels.iter_mut().enumerate() {
             if last.as_ref().is_none_or(|last| last.occupancy[i] != events.occupancy[i]) {
-                self.body.signal_change(occupancy, &bits::<OCCUPANCY_BITS>(events.occupancy[i] as u64))?;
+                let word = bits::<OCCUPANCY_BITS>(events.occupancy[i] as u64);
+                self.body.signal_change(channel.occupancy, &word)?;
             }
-            for (flag, token, signals, before) in [
-                (push, events.pushed[i], pushed, last.as_ref().map(|last| last.pushed[i])),
-                (pop, events.popped[i], popped, last.as_ref().map(|last| last.popped[i])),
+            for (flag, signals, token, before) in [
+                (channel.push, &mut channel.pushed, events.pushed[i], last.as_ref().map(|last| last.pushed[i])),
+                (channel.pop, &mut channel.popped, events.popped[i], last.as_ref().map(|last| last.popped[i])),
             ] {
-                if before != Some(token) {
+                if before.map(|before| before.is_some()) != Some(token.is_some()) {
                     self.body.signal_change(flag, if token.is_some() { b"1" } else { b"0" })?;
-                    self.token(signals, token)?;
                 }
+                signals.write(&mut self.body, token)?;
             }
         }
         self.last = Some(events.clone());
