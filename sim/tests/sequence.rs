@@ -116,7 +116,8 @@ fn a_turntable_comes_back_and_keys_are_met() {
         let plain = run("at", &["--yaw", yaw, "--tilt", tilt]);
         assert_eq!(keyed[frame], plain["digest"]["image"], "frame {frame}");
     }
-    let again = report(folder.path(), "again", &["--scene", "keyed/scene.toml", "--frames", "4", "--reference", "none"]);
+    let again =
+        report(folder.path(), "again", &["--scene", "keyed/scene.toml", "--frames", "4", "--reference", "none"]);
     assert_eq!(images(&again), keyed, "the path is written with the scene");
 }
 
@@ -126,7 +127,8 @@ fn a_series_of_files_is_shown_volume_by_volume_behind_a_double_buffer() {
     let path = folder.path();
     let names = ["a.nrrd", "b.nrrd", "c.nrrd"];
     for (name, phase) in names.iter().zip(["0", "0.2", "0.5"]) {
-        let made = cube3(path, &["volume", "phantom", "beating-heart", "--size", "16", "--phase", phase, "--out", name]);
+        let made =
+            cube3(path, &["volume", "phantom", "beating-heart", "--size", "16", "--phase", phase, "--out", name]);
         assert!(made.status.success());
     }
     let series = [&["--volume"], names.as_slice()].concat();
@@ -178,11 +180,12 @@ fn frames_tear_as_the_port_says_and_real_data_shows_the_same() {
 fn a_torn_picture_is_further_from_its_reference_than_a_whole_one() {
     let folder = tempfile::tempdir().unwrap();
     let error = |mode: &str| {
-        let more = ["--frames", "2", "--phase-per-frame", "0.35", "--acquisition", mode];
+        // Against the machine's own samples in reals, a whole frame is off by its word lengths alone.
+        let more = ["--frames", "2", "--phase-per-frame", "0.35", "--acquisition", mode, "--reference", "sheared"];
         let report = heart(folder.path(), "out", &more);
         frames(&report)[1]["error"]["rms"].as_f64().unwrap()
     };
-    assert!(error("dual-port") > 1.5 * error("double-buffer"));
+    assert!(error("dual-port") > 50.0 * error("double-buffer"));
 }
 
 #[test]
