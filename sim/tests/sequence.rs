@@ -202,7 +202,7 @@ fn mistakes_get_one_message_and_leave_nothing() {
         (&["--phase-per-frame", "0.1"], "--frames"),
         (&["--volume", "a.nrrd", "b.nrrd"], "give --frames N too"),
         (&["--volume", "a.nrrd", "b.nrrd", "--frames", "2"], "the volumes of a series need one grid"),
-        (&["--volume", "a.nrrd", "missing.nrrd", "--frames", "2", "--fidelity", "function"], "missing.nrrd"),
+        (&["--volume", "a.nrrd", "missing.nrrd", "--frames", "2"], "missing.nrrd"),
         (&["--size", "8", "--phase", "0.5"], "head does not move"),
         (&["--size", "8", "--frames", "2", "--phase-per-frame", "0.5"], "phantom head does not move"),
         (&["--volume", "a.nrrd", "--phase", "0.5"], "volume.phase"),
