@@ -65,24 +65,13 @@ impl Row {
 }
 
 impl<'a> Sight<'a> {
-    /// A frame of a volume of `dims` voxels along x, y, z; `seen` is for each of its beams, in the order of fetches.
-    pub fn new(geometry: &'a Geometry, dims: [usize; 3], seen: &'a [u64]) -> Sight<'a> {
-        Sight { geometry, dims, seen }
-    }
-
-    /// The sights of frames that were read one behind another; `seen` is what all their beams have seen written.
-    pub fn of_frames(
-        geometries: impl IntoIterator<Item = &'a Geometry>,
-        dims: [usize; 3],
-        seen: &'a [u64],
-    ) -> Vec<Sight<'a>> {
-        let mut rest = seen;
-        let take = |geometry: &'a Geometry| {
-            let (seen, after) = rest.split_at((geometry.size[1] * geometry.size[2]).min(rest.len()));
-            rest = after;
-            Sight::new(geometry, dims, seen)
-        };
-        geometries.into_iter().map(take).collect()
+    /// The next frame of a volume of `dims` voxels along x, y, z: its beams are taken from the front of `seen`, which is for the
+    /// beams of all frames in the order of fetches.
+    pub fn next<'s: 'a>(geometry: &'a Geometry, dims: [usize; 3], seen: &mut &'s [u64]) -> Sight<'a> {
+        let all: &'s [u64] = seen;
+        let (own, rest) = all.split_at((geometry.size[1] * geometry.size[2]).min(all.len()));
+        *seen = rest;
+        Sight { geometry, dims, seen: own }
     }
 
     fn rows(&self) -> impl Iterator<Item = Row> + '_ {

@@ -72,6 +72,11 @@ impl Series {
             )));
         }
         let phase_per_volume = source.phase_per_frame.unwrap_or(1.0 / frames.max(1) as f64);
+        for file in &source.files {
+            std::fs::metadata(file).map_err(|error| {
+                Problem::new(format!("{}: {error}; give the volume files of the series", file.display()))
+            })?;
+        }
         let first = load(&source, 0, phase_per_volume, source.window, machine, options, mask)?;
         let clipped = BTreeMap::from([(0, first.conversion.clipped_below + first.conversion.clipped_above)]);
         Ok(Series {
@@ -205,15 +210,14 @@ pub fn run_sequence(
     let progress = Progress::new("frames");
     let (mut pictures, mut first_error, mut first_digest) = (Pictures::default(), None, DigestReport::default());
     let (mut reports, mut samples, mut reference_s, mut function_s) = (Vec::new(), 0, None, None);
-    let (mut seen, mut first_frame, mut end) = (0, None, 0);
+    let port = clocked.as_ref().and_then(|clocked| clocked.port.as_ref());
+    let mut seen = port.map(AcquisitionPort::seen);
+    let (mut first_frame, mut end) = (None, 0);
     for (index, view) in views.iter().enumerate() {
         let frame = set_up(index)?;
         let geometry = &frame.setup.geometry;
         samples += geometry.sample_count();
-        let port = clocked.as_ref().and_then(|clocked| clocked.port.as_ref());
-        let beams = geometry.size[1] * geometry.size[2];
-        let sight = port.map(|port| Sight::new(geometry, first.words.dims, &port.seen()[seen..seen + beams]));
-        seen += beams;
+        let sight = seen.as_mut().map(|seen| Sight::next(geometry, first.words.dims, seen));
         let whole = match options.runs {
             Runs::Function => series.count().map_or(index as u64, |count| (index as u64).min(count - 1)),
             _ => 0,
@@ -223,9 +227,8 @@ pub fn run_sequence(
             Runs::Timing => None,
             Runs::Cycle => clocked.as_ref().and_then(|clocked| clocked.bases.get(index)).cloned(),
             Runs::Both | Runs::Function => {
-                let words = words_of(series, sight.as_ref(), &mixture)?;
-                let words = words.as_ref().map_or_else(|volume| &volume.words.words, |assembled| assembled);
-                let (made, seconds) = function(&frame, first.words.dims, words, options.plan);
+                let content = content(series, sight.as_ref(), &mixture)?;
+                let (made, seconds) = function(&frame, first.words.dims, content.words(), options.plan);
                 run.overflows.shading += made.overflows.shading;
                 run.overflows.pixel += made.overflows.pixel;
                 *function_s.get_or_insert(0.0) += seconds;
@@ -288,10 +291,8 @@ pub fn run_sequence(
     };
 
     let torn_frames = reports.iter().filter(|frame| frame.torn).count();
-    let acquisition = clocked.as_ref().and_then(|clocked| {
-        let port = clocked.port.as_ref()?;
-        Some(acquisition(port, machine, clocked.counters.cycles, torn_frames))
-    });
+    let cycles = clocked.as_ref().map_or(0, |clocked| clocked.counters.cycles);
+    let acquisition = port.map(|port| acquisition(port, machine, cycles, torn_frames));
     let sequence = SequenceReport {
         fps_sustained: fps,
         time_s: clocked.as_ref().map(|clocked| clocked.counters.cycles as f64 / machine.clock_hz),
@@ -370,18 +371,31 @@ fn clock(
     Ok(Clocked { counters, port, bases: machine.into_base_planes(), overflows })
 }
 
-/// The words that a frame shows: a volume as it came, or one put together from several.
-fn words_of(
-    series: &mut Series,
-    sight: Option<&Sight<'_>>,
-    mixture: &Mixture,
-) -> Outcome<Result<Vec<u16>, Arc<LoadedVolume>>> {
+/// What a frame shows.
+enum Content {
+    /// A volume as it came.
+    Whole(Arc<LoadedVolume>),
+    /// Words put together from several.
+    Mixed(Vec<u16>),
+}
+
+impl Content {
+    /// Voxel words, x fastest.
+    fn words(&self) -> &[u16] {
+        match self {
+            Content::Whole(volume) => &volume.words.words,
+            Content::Mixed(words) => words,
+        }
+    }
+}
+
+fn content(series: &mut Series, sight: Option<&Sight<'_>>, mixture: &Mixture) -> Outcome<Content> {
     let Some(sight) = sight.filter(|_| mixture.is_torn()) else {
-        return Ok(Err(series.volume(mixture.oldest)?));
+        return Ok(Content::Whole(series.volume(mixture.oldest)?));
     };
     let volumes = (mixture.oldest..=mixture.newest).map(|index| series.volume(index)).collect::<Outcome<Vec<_>>>()?;
     let words: Vec<&[u16]> = volumes.iter().map(|volume| volume.words.words.as_slice()).collect();
-    Ok(Ok(sight.assemble(mixture.oldest, &words)))
+    Ok(Content::Mixed(sight.assemble(mixture.oldest, &words)))
 }
 
 fn difference(shown: &Pictures, reference: &Picture) -> Outcome<ImageError> {

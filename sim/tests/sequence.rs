@@ -180,11 +180,12 @@ fn frames_tear_as_the_port_says_and_real_data_shows_the_same() {
 fn a_torn_picture_is_further_from_its_reference_than_a_whole_one() {
     let folder = tempfile::tempdir().unwrap();
     let error = |mode: &str| {
-        let more = ["--frames", "2", "--phase-per-frame", "0.35", "--acquisition", mode];
+        // Against the machine's own samples in reals, a whole frame is off by its word lengths alone.
+        let more = ["--frames", "2", "--phase-per-frame", "0.35", "--acquisition", mode, "--reference", "sheared"];
         let report = heart(folder.path(), "out", &more);
         frames(&report)[1]["error"]["rms"].as_f64().unwrap()
     };
-    assert!(error("dual-port") > 1.5 * error("double-buffer"));
+    assert!(error("dual-port") > 50.0 * error("double-buffer"));
 }
 
 #[test]
@@ -201,7 +202,7 @@ fn mistakes_get_one_message_and_leave_nothing() {
         (&["--phase-per-frame", "0.1"], "--frames"),
         (&["--volume", "a.nrrd", "b.nrrd"], "give --frames N too"),
         (&["--volume", "a.nrrd", "b.nrrd", "--frames", "2"], "the volumes of a series need one grid"),
-        (&["--volume", "a.nrrd", "missing.nrrd", "--frames", "2", "--fidelity", "function"], "missing.nrrd"),
+        (&["--volume", "a.nrrd", "missing.nrrd", "--frames", "2"], "missing.nrrd"),
         (&["--size", "8", "--phase", "0.5"], "head does not move"),
         (&["--size", "8", "--frames", "2", "--phase-per-frame", "0.5"], "phantom head does not move"),
         (&["--volume", "a.nrrd", "--phase", "0.5"], "volume.phase"),

@@ -1,7 +1,7 @@
 //! Volumes that come in while frames are read: what each frame saw is known to the voxel, rates have closed forms, and stolen
 //! cycles are all that stealing costs.
 
-use cube3::acquisition::Sight;
+use cube3::acquisition::{Mixture, Sight};
 use cube3::function::{CanonicalVolume, render};
 use cube3::machine::Machine;
 use cube3_cfb::{AcquisitionPort, PortSpec};
@@ -22,6 +22,10 @@ fn modes() -> impl Strategy<Value = AcquisitionMode> {
 
 fn port(machine: &Machine<impl cube3::fidelity::Fidelity>) -> &AcquisitionPort {
     machine.port().unwrap()
+}
+
+fn sights<'a>(setups: &'a [FrameSetup], dims: [usize; 3], mut seen: &'a [u64]) -> Vec<Sight<'a>> {
+    setups.iter().map(|setup| Sight::next(&setup.geometry, dims, &mut seen)).collect()
 }
 
 /// Volumes of one grid whose words differ from each other's.
@@ -70,7 +74,7 @@ proptest! {
         prop_assert_eq!(cycle.counters(), timing.counters());
         prop_assert_eq!(port(&cycle), port(&timing));
 
-        let sights = Sight::of_frames(setups.iter().map(|setup| &setup.geometry), volume.dims, port(&timing).seen());
+        let sights = sights(&setups, volume.dims, port(&timing).seen());
         let bases = cycle.into_base_planes();
         let mut newest = 0;
         for ((setup, sight), base) in setups.iter().zip(sights).zip(bases) {
@@ -153,10 +157,9 @@ proptest! {
         run.acquire(PortSpec::new(&machine, [n; 3], None));
         run.run(&|_, _| {}).unwrap();
         let seen = port(&run).seen();
-        let shown: Vec<u64> = Sight::of_frames(setups.iter().map(|setup| &setup.geometry), [n; 3], seen)
-            .iter()
-            .map(|sight| { assert!(!sight.mixture().is_torn()); sight.mixture().oldest })
-            .collect();
+        let mixtures = sights(&setups, [n; 3], seen).iter().map(Sight::mixture).collect::<Vec<_>>();
+        prop_assert!(!mixtures.iter().any(Mixture::is_torn));
+        let shown: Vec<u64> = mixtures.iter().map(|mixture| mixture.oldest).collect();
         prop_assert_eq!(shown[0], 0);
         prop_assert!(shown.is_sorted());
         if overlap {
@@ -187,9 +190,8 @@ fn a_source_that_stops_leaves_its_last_volume() {
     run.acquire(PortSpec::new(&machine, [8; 3], Some(2)));
     run.run(&|_, _| {}).unwrap();
     assert_eq!(port(&run).written(), 2 * 512);
-    let sights = vec![setup; 5];
-    let sights = Sight::of_frames(sights.iter().map(|setup| &setup.geometry), [8; 3], port(&run).seen());
-    let last = sights[4].mixture();
+    let setups = vec![setup; 5];
+    let last = sights(&setups, [8; 3], port(&run).seen())[4].mixture();
     assert_eq!((last.oldest, last.newest, last.newer), (2, 2, 0));
 }
 
@@ -220,8 +222,7 @@ fn tearing_has_its_closed_form_when_a_volume_is_written_within_a_frame() {
                 beam += 1;
             }
         }
-        let sights = Sight::of_frames([&setup.geometry], [n as usize; 3], port(&run).seen());
-        let mixture = sights[0].mixture();
+        let mixture = Sight::next(&setup.geometry, [n as usize; 3], &mut port(&run).seen()).mixture();
         assert_eq!((mixture.newer, mixture.oldest, mixture.newest), (newer, 0, 1), "{slots:?}");
         assert_eq!(mixture.first_torn_plane, Some(0));
     }

@@ -296,7 +296,7 @@ mod tests {
                 assert!((outer - inner - wall).abs() < 1e-6);
             }
         }
-        assert!(LEFT.radii[0] + RIGHT.radii[0] + 5.0 < LEFT.centre[0] - RIGHT.centre[0]);
+        const { assert!(LEFT.radii[0] + RIGHT.radii[0] + 5.0 < LEFT.centre[0] - RIGHT.centre[0]) };
     }
 
     #[test]
