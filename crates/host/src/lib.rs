@@ -6,9 +6,12 @@
 
 mod axes;
 mod classification;
+mod fan;
 mod geometry;
 mod image_plane;
 mod machine;
+mod perspective;
+mod picture;
 mod registers;
 mod setup;
 mod shading;
@@ -16,11 +19,13 @@ mod template;
 mod warp;
 
 pub use axes::{Axes, CanonicalView, canonical};
+pub use fan::{Fan, FanShape};
 pub use geometry::{DiscreteRay, Geometry, RaySlots};
 pub use image_plane::ImagePlane;
 pub use machine::{
     Abc, Cfb, ChannelSize, Channels, Dsb, GradientMethod, MachineError, MachineSpec, Rays, Reuse, ShadingUnit, Trilin,
 };
+pub use perspective::{PLACE_BITS, PassShape, Perspective};
 pub use registers::{
     Classification, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, HalfSpace, Linear,
     LinearFactor, Normaliser, Phong, PhongLight, ReflectanceTable, Shading,
