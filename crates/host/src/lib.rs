@@ -21,7 +21,7 @@ mod warp;
 pub use axes::{Axes, CanonicalView, canonical};
 pub use fan::{Fan, FanShape};
 pub use geometry::{DiscreteRay, Geometry, RaySlots};
-pub use image_plane::ImagePlane;
+pub use image_plane::{ImagePlane, eye};
 pub use machine::{
     Abc, Cfb, ChannelSize, Channels, Dsb, GradientMethod, MachineError, MachineSpec, Rays, Reuse, ShadingUnit, Trilin,
 };

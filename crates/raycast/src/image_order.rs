@@ -85,7 +85,7 @@ pub fn image_order(
     }
     let view = scene.view.frame()?;
     let lights = resolve_lights(scene, &view);
-    let plane = ImagePlane::new(&scene.image, &view, volume.dims, volume.spacing);
+    let plane = ImagePlane::new(scene, &view, volume.dims, volume.spacing);
     let (machine_step, depth) = machine_step(volume, view.direction);
     let weights = StepWeights {
         length: options.step_voxel,

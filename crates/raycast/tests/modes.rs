@@ -213,7 +213,7 @@ fn every_mode_in_image_order_is_its_definition() {
         let last = DVec3::from(volume.dims.map(|n| (n - 1) as f64));
         for scene in scenes() {
             let view = scene.view.frame().unwrap();
-            let plane = ImagePlane::new(&scene.image, &view, volume.dims, spacing);
+            let plane = ImagePlane::new(&scene, &view, volume.dims, spacing);
             let lights = resolve_lights(&scene, &view);
             let machine = geometry(&volume, &scene);
             let sum = step_voxel / step_length(&machine, spacing) / machine.size[2] as f64;
