@@ -9,6 +9,7 @@
 
 pub mod golden;
 pub mod lanes;
+mod perspective;
 mod unit;
 
 pub use unit::{AbcSpec, AbcUnit, NoShading, RING, Shade, ShadedRay, ShadedSamples, Shader};

@@ -175,17 +175,21 @@ impl Shade for Shader {
         let mut row = std::mem::take(&mut self.row);
         row.present.clear();
         row.present.extend(rays.iter().enumerate().map(|(k, ray)| {
-            let inside = |clip: &cube3_host::HalfSpace| clip.distance.at(ray.u, ray.v, k as i64) >= 0;
+            let inside =
+                |clip: &cube3_host::HalfSpace| geometry.evaluate(&clip.distance, [ray.u, ray.v, k as i64]) >= 0;
             u8::from(geometry.has_sample(*ray, k as i64) && setup.clips.iter().all(inside))
         }));
         let (around, rays) = (&self.around, &rays);
         let arithmetic = &mut self.arithmetic;
+        if let Some(ray) = rays.first() {
+            arithmetic.aim(ray.v, ray.u..ray.u + 1);
+        }
         vectorised(
             #[inline(always)]
             || {
                 let neighbour = |w: usize, v: usize, u: usize| around[w * 9 + v * 3 + u].as_slice();
                 let at = |k: usize| [rays[k].u, rays[k].v, k as i64];
-                arithmetic.shade(depths, neighbour, at, &mut row);
+                arithmetic.shade(depths, neighbour, at, geometry, &mut row);
             },
         );
         self.overflows += row.overflows;

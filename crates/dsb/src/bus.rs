@@ -1,7 +1,7 @@
-//! The fast bus on its channels: a rotation of each beam.
+//! The fast bus on its channels: a rotation of each beam, in perspective a monotone gather (de-fan).
 //!
 //! ```text
-//!   [beams] ──► turn by X(k) and the skews ──► [aligned]
+//!   [beams] ──► turn by X(k) and the skews, or gather by the fan ──► [aligned]
 //! ```
 
 use crate::Rotator;
@@ -10,15 +10,23 @@ use cube3_channel::{Account, Activity, Channel};
 use cube3_host::{FrameSetup, Geometry, MachineSpec};
 use serde::{Deserialize, Serialize};
 
-/// What the bus does with a beam: turns its voxels, or nothing where only time counts.
+/// What the bus does with a beam: turns or gathers its voxels, or nothing where only time counts.
 pub trait Align {
     /// What beams carry before.
     type Input: Default;
     /// What beams carry after.
     type Output: Default;
 
-    /// Aligns the beam of row `v` at a depth.
-    fn align(&self, setup: &FrameSetup, v: usize, depth: usize, input: &Self::Input, output: &mut Self::Output);
+    /// Aligns the beam of row `v` of a plane at a depth.
+    fn align(
+        &self,
+        setup: &FrameSetup,
+        plane: usize,
+        v: usize,
+        depth: usize,
+        input: &Self::Input,
+        output: &mut Self::Output,
+    );
 }
 
 /// A bus for timing alone.
@@ -30,15 +38,26 @@ impl Align for NoBus {
     type Output = ();
 
     #[inline(always)]
-    fn align(&self, _: &FrameSetup, _: usize, _: usize, _: &(), _: &mut ()) {}
+    fn align(&self, _: &FrameSetup, _: usize, _: usize, _: usize, _: &(), _: &mut ()) {}
 }
 
 impl Align for Rotator {
     type Input = VoxelBeam;
     type Output = VoxelBeam;
 
-    fn align(&self, setup: &FrameSetup, v: usize, depth: usize, input: &VoxelBeam, output: &mut VoxelBeam) {
-        Rotator::align(self, &setup.geometry, v, depth, &input.0, &mut output.0);
+    fn align(
+        &self,
+        setup: &FrameSetup,
+        plane: usize,
+        v: usize,
+        depth: usize,
+        input: &VoxelBeam,
+        output: &mut VoxelBeam,
+    ) {
+        match &setup.geometry.perspective {
+            None => Rotator::align(self, &setup.geometry, v, depth, &input.0, &mut output.0),
+            Some(_) => self.gather(&setup.geometry, plane, depth, &input.0, &mut output.0),
+        }
     }
 }
 
@@ -101,7 +120,7 @@ impl<B: Align> BusUnit<B> {
         output.depth = beam.depth;
         output.row = beam.row;
         if let Some(v) = beam.row {
-            self.wires.align(setup, v as usize, beam.depth as usize, &beam.data, &mut output.data);
+            self.wires.align(setup, beam.plane as usize, v as usize, beam.depth as usize, &beam.data, &mut output.data);
         }
         beams.pop_slot();
         self.state.spent = 0;

@@ -210,6 +210,18 @@ impl Geometry {
         (0..self.size[1] as i64).contains(&y).then_some(y as usize)
     }
 
+    /// Whether slots need cells of their own, as rays may share columns: an eye that is near.
+    #[inline]
+    pub fn doubled(&self) -> bool {
+        self.perspective.as_ref().is_some_and(|pass| pass.doubled)
+    }
+
+    /// The row below the cells of plane `i` of slots at depth `k` of a perspective frame, where it is in the volume.
+    pub fn row_below(&self, i: usize, k: usize) -> Option<usize> {
+        let row = self.perspective.as_ref()?.v.right(i, k);
+        usize::try_from(row).ok().filter(|&row| row < self.size[1])
+    }
+
     /// A corner of the cell of sample `k` of a ray, `[w, v, u]` each 0 or 1 for the near and the far side: its canonical voxel,
     /// where it is in the volume.
     pub fn corner(&self, ray: DiscreteRay, k: usize, [w, v, u]: [usize; 3]) -> Option<[usize; 3]> {

@@ -26,9 +26,10 @@ pub use machine::{
     Abc, Cfb, ChannelSize, Channels, Dsb, GradientMethod, MachineError, MachineSpec, Rays, Reuse, ShadingUnit, Trilin,
 };
 pub use perspective::{PLACE_BITS, PassShape, Perspective};
+pub use picture::{Coverage, Frames, picture_setup};
 pub use registers::{
     Classification, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, HalfSpace, Linear,
-    LinearFactor, Normaliser, Phong, PhongLight, ReflectanceTable, Shading,
+    LinearFactor, Normaliser, Phong, PhongLight, RayRegisters, ReflectanceTable, Shading,
 };
 pub(crate) use setup::gradient_scale;
 pub use setup::{
@@ -36,4 +37,4 @@ pub use setup::{
     step_length,
 };
 pub use template::{SLOPE_FRACTION_BITS, Template, TemplateRule, largest_offset, slope_register};
-pub use warp::{BasePlane, over, warp, warp_reals};
+pub use warp::{BasePlane, over, warp, warp_passes, warp_reals};
