@@ -56,7 +56,7 @@ impl Local {
                 .map(|slope| RayRegisters::shear(slope, rays.closeness[k], setup.words.weight_bits))
         };
         Local {
-            mirrored: [pass.u.slopes[i] < 0, pass.v.slopes[j] < 0],
+            mirrored: setup.geometry.mirrored(DiscreteRay { u: at[0], v: at[1] }),
             here: shear(k),
             behind: shear((k + 1).min(last)),
             before: shear(k.saturating_sub(1)),

@@ -159,9 +159,11 @@ impl Shade for Shader {
         let border = setup.gradient.map_or(0, |registers| registers.border);
         self.neighbour(setup, &rays, [0; 3], border);
         if let Some(registers) = &setup.gradient {
+            let mirrored = rays.first().map_or([false; 2], |ray| geometry.mirrored(*ray));
             for place in 0..27 {
                 let by = [place % 3 - 1, place / 3 % 3 - 1, place / 9 - 1];
-                if by != [0; 3] && reads(registers.method, by) {
+                let turned = [0, 1].map(|axis| if mirrored[axis] { -by[axis] } else { by[axis] });
+                if by != [0; 3] && reads(registers.method, [turned[0], turned[1], by[2]]) {
                     self.neighbour(setup, &rays, by, border);
                 } else if by != [0; 3] {
                     self.around[place as usize].resize(depths, 0);

@@ -210,6 +210,15 @@ impl Geometry {
         (0..self.size[1] as i64).contains(&y).then_some(y as usize)
     }
 
+    /// Whether a ray of the frame runs against u and against v: only in perspective.
+    pub fn mirrored(&self, ray: DiscreteRay) -> [bool; 2] {
+        let Some(pass) = &self.perspective else {
+            return [false; 2];
+        };
+        let [row, column] = self.slot_of(ray);
+        [pass.u.slopes[column] < 0, pass.v.slopes[row] < 0]
+    }
+
     /// Whether slots need cells of their own, as rays may share columns: an eye that is near.
     #[inline]
     pub fn doubled(&self) -> bool {
