@@ -40,7 +40,7 @@ pub use clip::{Crop, Cut, MOST_CUTS, Threshold};
 pub use depth_cue::DepthCue;
 pub use error::{Place, SceneError};
 pub use image::{Image, LARGEST_IMAGE_PX};
-pub use light::{Light, MOST_LIGHTS, ResolvedLight, resolve_lights};
+pub use light::{Light, MOST_LIGHTS, ResolvedLight, resolve_lights, turn_lights};
 pub use material::Material;
 pub use mode::Mode;
 pub use opacity::corrected_opacity;
