@@ -151,7 +151,7 @@ fn render_in<T: Accumulator>(
             progress(done, height as u64);
             overflows
         })
-        .reduce(Overflows::default, |a, b| Overflows { shading: a.shading + b.shading, pixel: a.pixel + b.pixel });
+        .reduce(Overflows::default, Overflows::plus);
     FunctionRun { base, overflows }
 }
 

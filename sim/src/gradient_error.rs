@@ -10,14 +10,24 @@ use glam::DVec3;
 const MOST_RAYS: usize = 16_384;
 
 /// Mean angle in degrees between the machine's gradient words and central differences of the exactly interpolated volume,
-/// at the first sample of each ray that the classification makes at least half opaque. None where no ray has
-/// one, or the frame has no gradient.
-pub fn mean_angle_deg(setup: &FrameSetup, volume: &VoxelWords) -> Option<f64> {
-    let registers = setup.gradient.as_ref()?;
+/// at the first sample of each ray that the classification makes at least half opaque, over all frames of a picture. None where
+/// no ray has one, or no frame has a gradient.
+pub fn mean_angle_deg(setups: &[FrameSetup], volume: &VoxelWords) -> Option<f64> {
+    let pairs = setups.iter().flat_map(|setup| gradient_pairs(setup, volume));
+    let error = cube3_metrics::mean_angle_deg(pairs).ok()?;
+    (error.count > error.degenerate).then_some(error.mean_deg)
+}
+
+/// The machine's gradients and the true ones.
+fn gradient_pairs(setup: &FrameSetup, volume: &VoxelWords) -> Vec<([f64; 3], [f64; 3])> {
+    let Some(registers) = &setup.gradient else {
+        return Vec::new();
+    };
     let geometry = &setup.geometry;
     let basis = Basis::new(geometry, volume.spacing, registers.method);
     let [width, height] = geometry.base_plane_size();
-    let stride = (1..).find(|stride| width.div_ceil(*stride) * height.div_ceil(*stride) <= MOST_RAYS)?;
+    let fits = |stride: &usize| width.div_ceil(*stride) * height.div_ceil(*stride) <= MOST_RAYS;
+    let stride = (1..).find(fits).unwrap_or(1);
     let machine = Samples { setup, volume };
     let half = cube3_word::unit_full(setup.words.opacity_bits).div_ceil(2);
     let mut pairs = Vec::new();
@@ -49,8 +59,7 @@ pub fn mean_angle_deg(setup: &FrameSetup, volume: &VoxelWords) -> Option<f64> {
             }
         }
     }
-    let error = cube3_metrics::mean_angle_deg(pairs).ok()?;
-    (error.count > error.degenerate).then_some(error.mean_deg)
+    pairs
 }
 
 /// Samples of the machine, one at a time.

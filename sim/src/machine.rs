@@ -173,6 +173,13 @@ pub struct Overflows {
     pub pixel: u64,
 }
 
+impl Overflows {
+    /// Those of two runs together.
+    pub fn plus(self, other: Overflows) -> Overflows {
+        Overflows { shading: self.shading + other.shading, pixel: self.pixel + other.pixel }
+    }
+}
+
 impl<F: Fidelity> Machine<F> {
     fn assemble(machine: &MachineSpec, setup: FrameSetup, parts: Parts<F>) -> Result<Machine<F>, ChannelError> {
         let geometry = &setup.geometry;

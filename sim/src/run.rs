@@ -5,15 +5,17 @@ use crate::function::{CanonicalVolume, FunctionRun, render};
 use crate::gradient_error;
 use crate::inputs::LoadedVolume;
 use crate::machine::{Machine, Overflows, RunCounters};
-use crate::problem::Outcome;
+use crate::problem::{Outcome, Problem};
 use crate::progress::Progress;
 use cube3_channel::Reason;
-use cube3_host::{BasePlane, Frame, ImagePlane, MachineSpec, RaySlots, TemplateRule, frame_setup, warp};
+use cube3_host::{
+    BasePlane, FrameSetup, Frames, Geometry, MachineSpec, RaySlots, TemplateRule, canonical, picture_setup, warp_passes,
+};
 use cube3_metrics::{Picture, compare, difference, footprint, suggested_factor};
 use cube3_raycast::{DiscreteOptions, ImageOrderOptions, image_order, sheared, true_3d};
 use cube3_report::{
-    ChannelReport, DigestReport, ErrorReport, LeftOut, PlanReport, Program, RunReport, SCHEMA, TimingCounts,
-    UnitReport, ViewReport, VolumeReport, WallReport, WordsReport, sha256_hex,
+    ChannelReport, DigestReport, ErrorReport, LeftOut, PassReport, PerspectiveReport, PlanReport, Program, RunReport,
+    SCHEMA, TimingCounts, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport, sha256_hex,
 };
 use cube3_scene::Scene;
 use std::collections::BTreeMap;
@@ -94,7 +96,7 @@ impl Default for RunOptions {
 pub struct Pictures {
     /// The warped picture.
     pub image: Option<Picture>,
-    /// The base plane over the background.
+    /// The base plane over the background; several side by side, in the order of the passes.
     pub base_plane: Option<Picture>,
     /// The reference.
     pub reference: Option<Picture>,
@@ -113,11 +115,12 @@ pub struct RunResult {
     pub notes: Vec<String>,
 }
 
-/// What the machine has given: counters, base plane, saturated words, and the seconds each run took.
+/// What the machine has given over all frames of the picture: counters, base planes, saturated words, and the seconds each run
+/// took.
 #[derive(Default)]
 struct MachineRun {
     counters: Option<RunCounters>,
-    base: Option<BasePlane>,
+    bases: Option<Vec<BasePlane>>,
     overflows: Overflows,
     timing_s: Option<f64>,
     function_s: Option<f64>,
@@ -135,18 +138,19 @@ pub fn run_frame(
     options: &RunOptions,
 ) -> Outcome<RunResult> {
     let total = Progress::new("total");
-    let frame = frame_setup(scene, machine, &volume.info(), options.plan)?;
-    let run = run_machine(&frame, machine, volume, options)?;
-    let plane = ImagePlane::new(scene, &frame.view, volume.words.dims, volume.words.spacing);
+    let frames = picture_setup(scene, machine, &volume.info(), options.plan)?;
+    check_reference(options.reference, &frames)?;
+    let run = run_machine(&frames, machine, volume, options)?;
     let mut pictures = Pictures::default();
     let mut digest = DigestReport::default();
-    if let Some(base) = &run.base {
-        let geometry = &frame.setup.geometry;
-        let image = warp(base, geometry, &plane, volume.words.spacing, scene.background);
-        let image = Picture::new(plane.width, plane.height, image)?;
-        digest.base_plane = Some(sha256_hex(&bytes(base)));
+    if let Some(bases) = &run.bases {
+        let passes: Vec<(&BasePlane, &Geometry)> =
+            bases.iter().zip(frames.setups.iter().map(|setup| &setup.geometry)).collect();
+        let image = warp_passes(&passes, &frames.plane, volume.words.spacing, scene.background);
+        let image = Picture::new(frames.plane.width, frames.plane.height, image)?;
+        digest.base_plane = Some(sha256_hex(&bases.iter().flat_map(bytes).collect::<Vec<u8>>()));
         digest.image = Some(sha256_hex(&cube3_report::to_rgb8(&image)));
-        pictures.base_plane = Some(Picture::new(base.width, base.height, base.over(scene.background))?);
+        pictures.base_plane = side_by_side(bases, scene.background)?;
         pictures.image = Some(image);
     }
     let (error, reference_s) = match options.reference {
@@ -154,13 +158,13 @@ pub fn run_frame(
         _ if pictures.image.is_none() => (None, None),
         reference => {
             let progress = Progress::new("reference");
-            let picture = reference_picture(reference, scene, machine, volume, &frame, &plane, &progress)?;
+            let picture = reference_picture(reference, scene, machine, volume, &frames, &progress)?;
             let seconds = progress.finish();
-            let error = measure(reference, scene, &frame, volume, picture, &mut pictures)?;
+            let error = measure(reference, scene, &frames, volume, picture, &mut pictures)?;
             (Some(error), Some(seconds))
         }
     };
-    let samples = frame.setup.geometry.sample_count();
+    let samples = frames.setups.iter().map(|setup| setup.geometry.sample_count()).sum();
     let image_s = run.function_s.or(run.cycle_s);
     let report = RunReport {
         schema: SCHEMA,
@@ -175,8 +179,8 @@ pub fn run_frame(
             spacing: volume.words.spacing,
             conversion: volume.conversion.to_string().into(),
         },
-        view: view_report(&frame),
-        plan: PlanReport { enabled: options.plan, left_out: left_out(&frame) },
+        view: view_report(scene, volume, &frames),
+        plan: PlanReport { enabled: options.plan, left_out: left_out(&frames) },
         timing: run.counters.as_ref().map(|counters| {
             TimingCounts {
                 cycles: counters.cycles,
@@ -204,12 +208,23 @@ pub fn run_frame(
         },
     };
     report.check()?;
-    let notes = notes(scene, volume, run.base.as_ref(), samples);
+    let notes = notes(scene, volume, run.bases.as_deref(), samples);
     Ok(RunResult { report, pictures, notes })
 }
 
+/// The references that take the machine's own sample positions know parallel ones only.
+fn check_reference(reference: Reference, frames: &Frames) -> Outcome<()> {
+    match reference {
+        Reference::True | Reference::Sheared if frames.eye_voxel.is_some() => Err(Problem::new(format!(
+            "the reference \"{}\" is for parallel views; in perspective give \"image-order\" or \"none\"",
+            reference.name()
+        ))),
+        _ => Ok(()),
+    }
+}
+
 fn run_machine(
-    frame: &Frame,
+    frames: &Frames,
     machine: &MachineSpec,
     volume: &LoadedVolume,
     options: &RunOptions,
@@ -218,55 +233,113 @@ fn run_machine(
     match options.runs {
         Runs::Both => {
             let (timing, function) = std::thread::scope(|scope| {
-                let timing = scope.spawn(|| timing(frame, machine));
-                let function = function(frame, volume, options.plan);
+                let timing = scope.spawn(|| timing(frames, machine));
+                let function = function(frames, volume, options.plan);
                 (timing.join(), function)
             });
-            let timing = timing.map_err(|_| crate::problem::Problem::new("the timing run stopped unexpectedly"))?;
-            (run.counters, run.timing_s) = timing.map(|(counters, seconds)| (Some(counters), Some(seconds)))?;
+            let timing = timing.map_err(|_| Problem::new("the timing run stopped unexpectedly"))?;
+            (run.counters, run.timing_s) = timing.map(|(counters, seconds)| (counters, Some(seconds)))?;
             run.take_function(function);
         }
-        Runs::Timing => (run.counters, run.timing_s) = timing(frame, machine).map(|(c, s)| (Some(c), Some(s)))?,
-        Runs::Function => run.take_function(function(frame, volume, options.plan)),
+        Runs::Timing => (run.counters, run.timing_s) = timing(frames, machine).map(|(c, s)| (c, Some(s)))?,
+        Runs::Function => run.take_function(function(frames, volume, options.plan)),
         Runs::Cycle => {
             let progress = Progress::new("cycle");
             let words = &volume.words;
-            let mut machine = Machine::cycle(machine, frame.setup.clone(), words.dims, &words.words)?;
-            machine.run(&|done, all| progress.set(done, all))?;
+            let mut bases = Vec::new();
+            for setup in &frames.setups {
+                let mut machine = Machine::cycle(machine, setup.clone(), words.dims, &words.words)?;
+                machine.run(&|done, all| progress.set(done, all))?;
+                run.counters = Some(after(run.counters, machine.counters()));
+                run.overflows = run.overflows.plus(machine.overflows());
+                bases.push(machine.into_base_plane());
+            }
             run.cycle_s = Some(progress.finish());
-            run.counters = Some(machine.counters());
-            run.overflows = machine.overflows();
-            run.base = Some(machine.into_base_plane());
+            run.bases = Some(bases);
         }
     }
     Ok(run)
 }
 
 impl MachineRun {
-    fn take_function(&mut self, (run, seconds): (FunctionRun, f64)) {
-        self.base = Some(run.base);
-        self.overflows = run.overflows;
+    fn take_function(&mut self, (runs, seconds): (Vec<FunctionRun>, f64)) {
+        self.overflows = runs.iter().fold(Overflows::default(), |sum, run| sum.plus(run.overflows));
+        self.bases = Some(runs.into_iter().map(|run| run.base).collect());
         self.function_s = Some(seconds);
     }
 }
 
-fn timing(frame: &Frame, machine: &MachineSpec) -> Outcome<(RunCounters, f64)> {
-    let progress = Progress::new("timing");
-    let mut machine: Machine<Timing> = Machine::timing(machine, frame.setup.clone())?;
-    machine.run(&|done, all| progress.set(done, all))?;
-    Ok((machine.counters(), progress.finish()))
+/// The counters of a frame that is run after others.
+fn after(before: Option<RunCounters>, frame: RunCounters) -> RunCounters {
+    let Some(mut sum) = before else {
+        return frame;
+    };
+    sum.cycles += frame.cycles;
+    sum.beams += frame.beams;
+    sum.ray_slots += frame.ray_slots;
+    sum.steady_cycles += frame.steady_cycles;
+    for ((_, account), (_, more)) in sum.units.iter_mut().zip(&frame.units) {
+        account.busy += more.busy;
+        account.starved += more.starved;
+        account.blocked += more.blocked;
+        for (waiting, more) in account.waiting.iter_mut().zip(more.waiting) {
+            *waiting += more;
+        }
+    }
+    for (channel, more) in sum.channels.iter_mut().zip(&frame.channels) {
+        channel.occupancy += more.occupancy;
+        channel.counters.pushes += more.counters.pushes;
+        channel.counters.pops += more.counters.pops;
+        channel.counters.max_occupancy = channel.counters.max_occupancy.max(more.counters.max_occupancy);
+        channel.counters.occupancy_cycles += more.counters.occupancy_cycles;
+    }
+    sum
 }
 
-fn function(frame: &Frame, volume: &LoadedVolume, skip: bool) -> (FunctionRun, f64) {
+fn timing(frames: &Frames, machine: &MachineSpec) -> Outcome<(Option<RunCounters>, f64)> {
+    let progress = Progress::new("timing");
+    let mut counters = None;
+    for setup in &frames.setups {
+        let mut machine: Machine<Timing> = Machine::timing(machine, setup.clone())?;
+        machine.run(&|done, all| progress.set(done, all))?;
+        counters = Some(after(counters, machine.counters()));
+    }
+    Ok((counters, progress.finish()))
+}
+
+fn function(frames: &Frames, volume: &LoadedVolume, skip: bool) -> (Vec<FunctionRun>, f64) {
     let progress = Progress::new("function");
-    let turned = CanonicalVolume::new(&frame.setup.geometry.axes, volume.words.dims, &volume.words.words);
-    let run = render(&frame.setup, &turned, skip, &|done, all| progress.set(done, all));
-    (run, progress.finish())
+    let pass = |setup: &FrameSetup| {
+        let turned = CanonicalVolume::new(&setup.geometry.axes, volume.words.dims, &volume.words.words);
+        render(setup, &turned, skip, &|done, all| progress.set(done, all))
+    };
+    let runs = frames.setups.iter().map(pass).collect();
+    (runs, progress.finish())
+}
+
+/// Columns of background between base planes.
+const GAP: usize = 4;
+
+/// All base planes in one picture, side by side over the background; none where there are none.
+fn side_by_side(bases: &[BasePlane], background: [f64; 3]) -> Outcome<Option<Picture>> {
+    let Some(height) = bases.iter().map(|base| base.height).max() else {
+        return Ok(None);
+    };
+    let width = bases.iter().map(|base| base.width).sum::<usize>() + GAP * (bases.len() - 1);
+    let mut pixels = vec![background; width * height];
+    let mut left = 0;
+    for base in bases {
+        for (row, line) in base.over(background).chunks(base.width).enumerate() {
+            pixels[row * width + left..][..base.width].copy_from_slice(line);
+        }
+        left += base.width + GAP;
+    }
+    Ok(Some(Picture::new(width, height, pixels)?))
 }
 
 /// Why a picture is empty, where it is.
-fn notes(scene: &Scene, volume: &LoadedVolume, base: Option<&BasePlane>, samples: u64) -> Vec<String> {
-    if base.is_none_or(|base| base.pixels.iter().any(|pixel| pixel[3] > 0)) {
+fn notes(scene: &Scene, volume: &LoadedVolume, bases: Option<&[BasePlane]>, samples: u64) -> Vec<String> {
+    if bases.is_none_or(|bases| bases.iter().flat_map(|base| &base.pixels).any(|pixel| pixel[3] > 0)) {
         return Vec::new();
     }
     let [low, high] = volume.words.window;
@@ -295,22 +368,26 @@ fn reference_picture(
     scene: &Scene,
     machine: &MachineSpec,
     volume: &LoadedVolume,
-    frame: &Frame,
-    plane: &ImagePlane,
+    frames: &Frames,
     progress: &Progress,
 ) -> Outcome<Picture> {
     let border = volume.words.window[0];
-    let geometry = &frame.setup.geometry;
-    let rows = match reference {
-        Reference::ImageOrder => plane.height,
-        _ => geometry.base_plane_size()[1],
+    let plane = &frames.plane;
+    let geometry = frames.setups.first().map(|setup| &setup.geometry);
+    let rows = match (reference, geometry) {
+        (Reference::True | Reference::Sheared, Some(geometry)) => geometry.base_plane_size()[1],
+        _ => plane.height,
     } as u64;
     let report = |done: u64| progress.set(done, rows);
     let discrete = DiscreteOptions { gradient: machine.abc.gradient, border };
-    let base = match reference {
-        Reference::True => true_3d(&volume.data, scene, geometry, &discrete, Some(&report))?,
-        Reference::Sheared => sheared(&volume.data, scene, geometry, &discrete, Some(&report))?,
-        Reference::ImageOrder | Reference::None => {
+    let (base, geometry) = match (reference, geometry) {
+        (Reference::True, Some(geometry)) => {
+            (true_3d(&volume.data, scene, geometry, &discrete, Some(&report))?, geometry)
+        }
+        (Reference::Sheared, Some(geometry)) => {
+            (sheared(&volume.data, scene, geometry, &discrete, Some(&report))?, geometry)
+        }
+        _ => {
             let options = ImageOrderOptions { border, ..ImageOrderOptions::default() };
             let rendering = image_order(&volume.data, scene, &options, Some(&report))?;
             return Ok(Picture::new(rendering.width, rendering.height, rendering.pixels)?);
@@ -323,13 +400,13 @@ fn reference_picture(
 fn measure(
     reference: Reference,
     scene: &Scene,
-    frame: &Frame,
+    frames: &Frames,
     volume: &LoadedVolume,
     picture: Picture,
     pictures: &mut Pictures,
 ) -> Outcome<ErrorReport> {
     let Some(image) = &pictures.image else {
-        return Err(crate::problem::Problem::new("there is no picture to measure"));
+        return Err(Problem::new("there is no picture to measure"));
     };
     let object = footprint(image, &picture, scene.background)?;
     let comparison = compare(image, &picture, Some(&object))?;
@@ -337,42 +414,71 @@ fn measure(
     pictures.difference = Some(difference(image, &picture, f64::from(factor))?);
     pictures.reference = Some(picture);
     let mut error = ErrorReport::new(reference.name(), &comparison, f64::from(factor));
-    error.gradient_mean_deg = gradient_error::mean_angle_deg(&frame.setup, &volume.words);
+    error.gradient_mean_deg = gradient_error::mean_angle_deg(&frames.setups, &volume.words);
     Ok(error)
 }
 
-fn view_report(frame: &Frame) -> ViewReport {
-    let geometry = &frame.setup.geometry;
-    let axis = ["x", "y", "z"][geometry.axes.axis[2]];
+fn view_report(scene: &Scene, volume: &LoadedVolume, frames: &Frames) -> ViewReport {
+    let central = canonical(frames.view.direction, volume.words.spacing);
+    let geometry = frames.setups.first().map(|setup| &setup.geometry);
+    let axes = geometry.map_or(central.axes, |geometry| geometry.axes);
     let mut flips = [false; 3];
     for i in 0..3 {
-        flips[geometry.axes.axis[i]] = geometry.axes.reversed[i];
+        flips[axes.axis[i]] = axes.reversed[i];
     }
-    let rule = match geometry.rule {
-        TemplateRule::SampleFloor => "sample-floor",
-        TemplateRule::PlaneFloor => "plane-floor",
-    };
-    let slots = match geometry.slots {
-        RaySlots::Wrapped => "wrapped",
-        RaySlots::Padded => "padded",
-    };
+    let (rule, slots) = geometry.map_or(("no frame", ""), |geometry| {
+        let rule = match geometry.rule {
+            TemplateRule::SampleFloor => "sample-floor",
+            TemplateRule::PlaneFloor => "plane-floor",
+        };
+        let slots = match geometry.slots {
+            _ if geometry.perspective.is_some() => ", a slot for each ray",
+            RaySlots::Wrapped => ", wrapped",
+            RaySlots::Padded => ", padded",
+        };
+        (rule, slots)
+    });
+    let parallel = geometry.filter(|geometry| geometry.perspective.is_none());
     ViewReport {
-        major_axis: axis.into(),
+        major_axis: AXES[axes.axis[2]].into(),
         flips,
-        slopes: geometry.real_slopes(),
-        offset: geometry.real_offset(),
-        template_rule: format!("{rule}, {slots}"),
-        base_plane_size: geometry.base_plane_size(),
+        slopes: parallel.map_or(central.slopes, Geometry::real_slopes),
+        offset: geometry.map_or(0.0, Geometry::real_offset),
+        template_rule: format!("{rule}{slots}"),
+        base_plane_size: geometry.map_or([0; 2], Geometry::base_plane_size),
+        perspective: frames.eye_voxel.map(|eye_voxel| PerspectiveReport {
+            eye_voxel,
+            field_of_view_deg: scene.view.perspective.map_or(0.0, |perspective| perspective.field_of_view_deg),
+            passes: frames.setups.iter().filter_map(pass_report).collect(),
+        }),
     }
 }
 
-fn left_out(frame: &Frame) -> Vec<LeftOut> {
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+fn pass_report(setup: &FrameSetup) -> Option<PassReport> {
+    let geometry = &setup.geometry;
+    let coverage = geometry.coverage()?;
+    let sign = if geometry.axes.reversed[2] { "−" } else { "+" };
+    Some(PassReport {
+        axis: format!("{sign}{}", AXES[geometry.axes.axis[2]]),
+        base_plane_size: geometry.base_plane_size(),
+        offset: geometry.real_offset(),
+        own_cells: geometry.doubled(),
+        gradient: setup.gradient.map(|registers| registers.method.name().into()),
+        back_spacing_voxel: coverage.back_spacing,
+        unused_voxel_fraction: coverage.unused,
+        widest_cell_voxel: coverage.widest_cell,
+    })
+}
+
+fn left_out(frames: &Frames) -> Vec<LeftOut> {
     let entry = |left: &cube3_host::LeftOut| LeftOut {
         what: left.what.clone(),
         why: left.why.clone(),
         saves: left.saves.clone(),
     };
-    frame.left_out.iter().map(entry).collect()
+    frames.left_out.iter().map(entry).collect()
 }
 
 fn unit_reports(counters: &RunCounters) -> Vec<UnitReport> {
@@ -407,7 +513,7 @@ fn channel_reports(counters: &RunCounters) -> Vec<ChannelReport> {
 fn words_report(run: &MachineRun, volume: &LoadedVolume) -> WordsReport {
     let mut overflows = BTreeMap::new();
     overflows.insert("voxel".into(), volume.conversion.clipped_below + volume.conversion.clipped_above);
-    if run.base.is_some() {
+    if run.bases.is_some() {
         overflows.insert("gradient and colour".into(), run.overflows.shading);
         overflows.insert("pixel".into(), run.overflows.pixel);
     }
