@@ -42,7 +42,8 @@ fn gradient_pairs(setup: &FrameSetup, volume: &VoxelWords) -> Vec<([f64; 3], [f6
             };
             let opaque = |k: &usize| {
                 let (k, table) = (*k as i64, &setup.classification);
-                let inside = || setup.clips.iter().all(|clip| geometry.evaluate(&clip.distance, [ray.u, ray.v, k]) >= 0);
+                let inside =
+                    || setup.clips.iter().all(|clip| geometry.evaluate(&clip.distance, [ray.u, ray.v, k]) >= 0);
                 let Some(sample) = machine.sample(ray, k).filter(|_| inside()) else {
                     return false;
                 };

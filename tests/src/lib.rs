@@ -5,7 +5,8 @@ use cube3_host::{
     TemplateRule, Trilin, VolumeInfo,
 };
 use cube3_scene::{
-    ColourPoint, Crop, Cut, DepthCue, Image, Layer, Light, Material, Mode, Perspective, Scene, Threshold, Transfer, View,
+    ColourPoint, Crop, Cut, DepthCue, Image, Layer, Light, Material, Mode, Perspective, Scene, Threshold, Transfer,
+    View,
 };
 use cube3_word::{Rounding, Words};
 use proptest::prelude::*;

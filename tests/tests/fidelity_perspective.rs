@@ -5,7 +5,7 @@ use cube3::function::{CanonicalVolume, FunctionRun, render};
 use cube3::machine::Machine;
 use cube3_abc::golden::{Neighbourhood, shade};
 use cube3_cone::golden::{Node, leaf, pixel, reduce};
-use cube3_host::{DiscreteRay, Frames, FrameSetup, MachineSpec, picture_setup};
+use cube3_host::{DiscreteRay, FrameSetup, Frames, MachineSpec, picture_setup};
 use cube3_scene::{Perspective, Scene};
 use cube3_tests::{SmallVolume, for_perspective, from_eye, machines, perspectives, scenes, volumes};
 use cube3_trilin::golden::{Weights, cell, lift};

@@ -1,8 +1,8 @@
 //! Gradient, classification and shading of one sample. The definition.
 
 use cube3_host::{
-    Classification, DiscreteRay, FrameSetup, GradientMethod, GradientRegisters, GradientScale, LinearFactor, Normaliser, Phong,
-    RayRegisters, ReflectanceTable, Shading,
+    Classification, DiscreteRay, FrameSetup, GradientMethod, GradientRegisters, GradientScale, LinearFactor,
+    Normaliser, Phong, RayRegisters, ReflectanceTable, Shading,
 };
 use cube3_word::{Words, lerp, saturate, unit_full};
 
@@ -115,9 +115,7 @@ fn differences(s: &Neighbourhood, method: GradientMethod, local: &Local, words: 
     let v = between(s[1][2][1], s[1][0][1]);
     // Where rays are less than a voxel apart, u and v are relative to their distance m, and so is the ray.
     let near = |difference: i64| match local.nearness {
-        Some(nearness) => {
-            words.rounding.shift_right(difference * i64::from(nearness), GradientScale::FACTOR_BITS)
-        }
+        Some(nearness) => words.rounding.shift_right(difference * i64::from(nearness), GradientScale::FACTOR_BITS),
         None => difference,
     };
     let ray = near(between(s[2][1][1], s[0][1][1]));
@@ -231,12 +229,7 @@ pub fn halfway(light: [i32; 3], view: [i32; 3], table: &Normaliser, words: &Word
 }
 
 /// Phong's formula with the direction of each light and what is halfway between it and the eye, as `towards(light)` gives them.
-pub fn phong_from(
-    normal: [i32; 3],
-    phong: &Phong,
-    towards: impl Fn(usize) -> [[i32; 3]; 2],
-    words: &Words,
-) -> Light {
+pub fn phong_from(normal: [i32; 3], phong: &Phong, towards: impl Fn(usize) -> [[i32; 3]; 2], words: &Words) -> Light {
     let one_bits = words.normal_bits - 1;
     let one = 1_i64 << one_bits;
     let cosine = |direction: [i32; 3]| {

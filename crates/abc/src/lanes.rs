@@ -6,8 +6,8 @@
 use crate::golden;
 use crate::perspective::{LocalRows, RayLanes};
 use cube3_host::{
-    Classification, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientScale, LinearFactor, Normaliser, Phong,
-    ReflectanceTable, Shading,
+    Classification, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientScale, LinearFactor, Normaliser,
+    Phong, ReflectanceTable, Shading,
 };
 use cube3_word::{Shift, Words, unit_full};
 
@@ -203,7 +203,8 @@ impl AbcLanes {
                 rays.local(from, to, at, &mut row.local);
                 let out = [&mut u[from..to], &mut v[from..to], &mut w[from..to]];
                 let turned = |i: usize, mirrored: bool| if mirrored { 2 - i } else { i };
-                let neighbour = |w: usize, v: usize, u: usize| neighbour(w, turned(v, mirrored[1]), turned(u, mirrored[0]));
+                let neighbour =
+                    |w: usize, v: usize, u: usize| neighbour(w, turned(v, mirrored[1]), turned(u, mirrored[0]));
                 gradient.run_local(from, neighbour, &row.local, mirrored, out, &mut row.overflow[from..to]);
             }
         }

@@ -176,7 +176,9 @@ impl<F: Fetch> CfbUnit<F> {
 #[inline]
 fn row(geometry: &Geometry, plane: u32, depth: u32) -> Option<u32> {
     if let Some(pass) = &geometry.perspective {
-        return u32::try_from(pass.v.near(plane as usize, depth as usize)).ok().filter(|&row| row < geometry.size[1] as u32);
+        return u32::try_from(pass.v.near(plane as usize, depth as usize))
+            .ok()
+            .filter(|&row| row < geometry.size[1] as u32);
     }
     let rows = geometry.size[1] as u32;
     let shift = geometry.v.columns[depth as usize];

@@ -71,9 +71,7 @@ impl FanShape {
     fn column(&self, start: i64, slope: i64, k: usize) -> i32 {
         let column = match self.rule {
             TemplateRule::SampleFloor => self.position(start, slope, k) >> (SLOPE_FRACTION_BITS + self.weight_bits),
-            TemplateRule::PlaneFloor => {
-                (start + (k as i64 - self.first_depth as i64) * slope) >> SLOPE_FRACTION_BITS
-            }
+            TemplateRule::PlaneFloor => (start + (k as i64 - self.first_depth as i64) * slope) >> SLOPE_FRACTION_BITS,
         };
         column as i32
     }

@@ -122,13 +122,7 @@ impl Geometry {
             (rays(eye_u, along, first_depth, depths, nu), rays(eye_v, along, first_depth, depths, nv));
         let steepest = along_u.slopes.iter().chain(&along_v.slopes).map(|slope| slope.abs()).max().unwrap_or(0);
         let offset = shape.offset.min(largest_offset(shape.rule, steepest, shape.weight_bits));
-        let fans = FanShape {
-            first_depth,
-            depths,
-            offset,
-            weight_bits: shape.weight_bits,
-            rule: shape.rule,
-        };
+        let fans = FanShape { first_depth, depths, offset, weight_bits: shape.weight_bits, rule: shape.rule };
         let spacing = if plane == 0.0 && first_depth == 0 { 1.0 } else { (first_depth as f64 - eye_w) / distance };
         let empty = || Template { columns: Vec::new(), weights: Vec::new() };
         Some(Geometry {
@@ -168,4 +162,129 @@ impl Geometry {
 fn largest_offset(rule: TemplateRule, steepest: i64, weight_bits: u32) -> u32 {
     let steepest = steepest.min(1 << SLOPE_FRACTION_BITS) as u32;
     crate::largest_offset(rule, [steepest; 2], weight_bits)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::DiscreteRay;
+    use proptest::prelude::*;
+
+    fn eyes() -> impl Strategy<Value = [f64; 3]> {
+        let near = || -20.0..30.0_f64;
+        let voxel = || (0_u8..9).prop_map(f64::from);
+        prop_oneof![
+            3 => [near(), near(), near()],
+            1 => [voxel(), voxel(), voxel()],
+            1 => [near(), near(), -1e3..0.0_f64],
+            1 => [-1e12..1e12_f64, -1e12..1e12_f64, -1e12..0.0_f64],
+        ]
+    }
+
+    fn any_pass() -> impl Strategy<Value = Geometry> {
+        let size = [1_usize..9, 1_usize..9, 1_usize..9];
+        (size, eyes(), 0.0..1.0_f64, 0_u32..=12, any::<bool>()).prop_filter_map(
+            "an eye from which no ray meets the volume",
+            |(size, eye, offset, weight_bits, plane)| {
+                Geometry::perspective(&PassShape {
+                    size,
+                    axes: Axes { axis: [0, 1, 2], reversed: [false; 3] },
+                    eye,
+                    offset: ((offset * f64::from(1_u32 << weight_bits)) as u32).min((1 << weight_bits) - 1),
+                    weight_bits,
+                    rule: if plane { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
+                })
+            },
+        )
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(1500))]
+
+        /// The sheared cell contains its sample, and the weight is its place in it: so an affine field comes out exact, to the
+        /// rounding of the weight.
+        #[test]
+        fn cells_contain_their_samples_at_the_weight(geometry in any_pass()) {
+            let pass = geometry.perspective.as_ref().unwrap();
+            let (shape, one) = (geometry.fan_shape(), f64::from(1_u32 << geometry.weight_bits));
+            let offset = geometry.real_offset();
+            for fan in [&pass.u, &pass.v] {
+                for k in pass.first_depth..geometry.size[2] - 1 {
+                    for i in 0..fan.count() {
+                        let between = |near: i32, far: i32| f64::from(near) + f64::from(far - near) * offset;
+                        let left = between(fan.near(i, k), fan.near(i, k + 1));
+                        let right = between(fan.right(i, k), fan.right(i, k + 1));
+                        let place = fan.real_place(i, k, &shape);
+                        prop_assert!(left <= place && place <= right, "{left} {place} {right}");
+                        let weight = f64::from(fan.weight(i, k)) / one;
+                        prop_assert!((0.0..=1.0).contains(&weight));
+                        prop_assert!((left + (right - left) * weight - place).abs() <= (right - left) * 0.5 / one + 1e-9);
+                    }
+                }
+            }
+        }
+
+        #[test]
+        fn rays_stay_in_order_and_without_own_cells_the_right_column_is_the_next_rays(geometry in any_pass()) {
+            let pass = geometry.perspective.as_ref().unwrap();
+            for fan in [&pass.u, &pass.v] {
+                for k in pass.first_depth..geometry.size[2] {
+                    for i in 0..fan.count() {
+                        prop_assert!(fan.right(i, k) > fan.near(i, k));
+                        if i + 1 < fan.count() {
+                            prop_assert!(fan.near(i + 1, k) >= fan.near(i, k));
+                            prop_assert!(pass.doubled || fan.right(i, k) == fan.near(i + 1, k));
+                            prop_assert!(fan.right(i, k) <= fan.near(i, k) + 4, "rays are at most 3 apart");
+                        }
+                    }
+                }
+            }
+        }
+
+        #[test]
+        fn a_sample_has_every_voxel_that_it_gives_a_weight_to(geometry in any_pass()) {
+            let first = geometry.first_ray();
+            let [width, height] = geometry.base_plane_size();
+            let mut count = 0;
+            for i in 0..height as i64 {
+                for j in 0..width as i64 {
+                    let ray = DiscreteRay { u: first.u + j, v: first.v + i };
+                    for k in 0..geometry.size[2] {
+                        if !geometry.has_sample(ray, k as i64) {
+                            continue;
+                        }
+                        count += 1;
+                        let weights = geometry.weights(ray, k);
+                        for corner in 0..8 {
+                            let [w, v, u] = [corner >> 2, corner >> 1 & 1, corner & 1];
+                            let weighted = (w == 0 || geometry.offset != 0)
+                                && (v == 0 || weights[1] != 0)
+                                && (u == 0 || weights[0] != 0);
+                            prop_assert!(!weighted || geometry.corner(ray, k, [w, v, u]).is_some());
+                        }
+                        let place = geometry.sample_position(ray, k);
+                        for axis in 0..3 {
+                            prop_assert!(place[axis] >= 0.0 && place[axis] <= geometry.size[axis] as f64);
+                        }
+                    }
+                }
+            }
+            prop_assert_eq!(geometry.sample_count(), count);
+        }
+    }
+
+    /// An eye of any kind has the samples that its rays have within the volume: none is lost at a border but for the last ray.
+    #[test]
+    fn a_central_eye_has_a_sample_for_each_ray_between_the_faces() {
+        let eye = [15.5, 15.5, -64.0];
+        let axes = Axes { axis: [0, 1, 2], reversed: [false; 3] };
+        let shape = PassShape { size: [32; 3], axes, eye, offset: 0, weight_bits: 8, rule: TemplateRule::SampleFloor };
+        let geometry = Geometry::perspective(&shape).unwrap();
+        for k in 0..32 {
+            let spacing = 1.0 + k as f64 / 64.0;
+            let expected = (0..32).filter(|g| (15.5 + (f64::from(*g) - 15.5) * spacing - 15.5).abs() <= 15.5).count();
+            let valid = geometry.perspective.as_ref().unwrap().u.valid(k);
+            assert!(valid.len() >= expected - 1 && valid.len() <= expected + 1, "{k}: {} of {expected}", valid.len());
+        }
+    }
 }

@@ -83,9 +83,12 @@ pub fn picture_setup(
 
 /// The major axis of a direction in voxels, and whether it runs against it; ties go to z before y before x.
 pub(crate) fn major(direction: [f64; 3]) -> (usize, bool) {
-    let axis = [2, 1, 0].into_iter().fold(2, |best, axis| {
-        if direction[axis].abs() > direction[best].abs() { axis } else { best }
-    });
+    let axis = [2, 1, 0].into_iter().fold(
+        2,
+        |best, axis| {
+            if direction[axis].abs() > direction[best].abs() { axis } else { best }
+        },
+    );
     (axis, direction[axis] < 0.0)
 }
 

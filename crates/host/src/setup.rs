@@ -2,8 +2,8 @@
 
 use crate::perspective::{PLACE_BITS, Perspective};
 use crate::{
-    Abc, Axes, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientScale, HalfSpace, Linear,
-    LinearFactor, MachineSpec, RayRegisters, SLOPE_FRACTION_BITS, ShadingUnit, canonical, classification,
+    Abc, Axes, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientScale, HalfSpace,
+    Linear, LinearFactor, MachineSpec, RayRegisters, SLOPE_FRACTION_BITS, ShadingUnit, canonical, classification,
     largest_offset, shading, slope_register,
 };
 use cube3_scene::{Mode, Scene, SceneError, ViewFrame};
@@ -299,11 +299,7 @@ impl StepLengths {
             let part = |square: &f64| if classes == 1 { 0 } else { ((square - least) / range * top) as u32 };
             squares.iter().map(part).collect()
         };
-        StepLengths {
-            lengths: lengths.collect(),
-            along_u: part(&along_u, least_u),
-            along_v: part(&along_v, least_v),
-        }
+        StepLengths { lengths: lengths.collect(), along_u: part(&along_u, least_u), along_v: part(&along_v, least_v) }
     }
 }
 
@@ -340,7 +336,11 @@ fn ray_registers(
         view_w: view(s[2]),
         view_u: view_u.into_iter().map(view).collect(),
         view_v: view_v.into_iter().map(view).collect(),
-        at_eye: if is_lit(scene) { scene.lights.iter().map(|light| light.direction.is_none()).collect() } else { Vec::new() },
+        at_eye: if is_lit(scene) {
+            scene.lights.iter().map(|light| light.direction.is_none()).collect()
+        } else {
+            Vec::new()
+        },
         length_u: steps.along_u.clone(),
         length_v: steps.along_v.clone(),
         length_classes: steps.lengths.len() as u32,

@@ -28,7 +28,8 @@ pub use html::{Figure, html};
 pub use json::{from_json, to_json, write_json};
 pub use png::{png_rgb8, to_rgb8};
 pub use run_report::{
-    ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, PassReport, PerspectiveReport, PlanReport, Program, RunReport, SCHEMA,
-    TimingCounts, TimingReport, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport,
+    ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, PassReport, PerspectiveReport, PlanReport,
+    Program, RunReport, SCHEMA, TimingCounts, TimingReport, UnitReport, ViewReport, VolumeReport, WallReport,
+    WordsReport,
 };
 pub use table::table;
