@@ -137,7 +137,7 @@ pub fn run_frame(
     let total = Progress::new("total");
     let frame = frame_setup(scene, machine, &volume.info(), options.plan)?;
     let run = run_machine(&frame, machine, volume, options)?;
-    let plane = ImagePlane::new(&scene.image, &frame.view, volume.words.dims, volume.words.spacing);
+    let plane = ImagePlane::new(scene, &frame.view, volume.words.dims, volume.words.spacing);
     let mut pictures = Pictures::default();
     let mut digest = DigestReport::default();
     if let Some(base) = &run.base {

@@ -163,7 +163,7 @@ fn mistakes_get_one_message_and_exit_code_2_and_lose_nothing() {
         "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 90 90 90\nencoding: raw\n\nabc",
     )
     .unwrap();
-    let cases: [(&[&str], &str); 12] = [
+    let cases: [(&[&str], &str); 18] = [
         (&["--mode", "mip"], "maximum"),
         (&["--volume", "a.nrrd", "--phantom", "head"], "cannot be used with"),
         (&["--scene", "bad-scene.toml"], "bad-scene.toml:3"),
@@ -176,6 +176,12 @@ fn mistakes_get_one_message_and_exit_code_2_and_lose_nothing() {
         (&["--dims", "2x2x2"], "--dims and --type go together"),
         (&["--phantom", "kidney"], "head"),
         (&["--tilt", "nan"], "tilt"),
+        (&["--eye", "1,-2,3"], "--eye is for perspective views"),
+        (&["--distance", "90"], "give --fov DEGREES too"),
+        (&["--fov", "180"], "view.perspective.field_of_view_deg: 180 is out of range; give a number from 0.001 to 179"),
+        (&["--fov", "40", "--eye", "1,2"], "give three numbers, e.g. 63.5,-150,63.5"),
+        (&["--fov", "40", "--eye", "1,nan,2"], "view.perspective.eye_voxel[1]"),
+        (&["--fov", "40", "--eye=-1,1,2", "--distance", "3"], "cannot be used with"),
     ];
     let check = |output: Output, expected: &str, what: &str| {
         let message = text(&output.stderr);

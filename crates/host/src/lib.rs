@@ -17,7 +17,7 @@ mod warp;
 
 pub use axes::{Axes, CanonicalView, canonical};
 pub use geometry::{DiscreteRay, Geometry, RaySlots};
-pub use image_plane::ImagePlane;
+pub use image_plane::{ImagePlane, eye};
 pub use machine::{
     Abc, Acquisition, AcquisitionMode, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, Frames,
     GradientMethod, HostLink, Layout, MachineError, MachineSpec, MemoryType, Rays, Reuse, ShadingUnit, Trilin,

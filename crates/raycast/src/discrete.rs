@@ -74,6 +74,9 @@ pub fn discrete(
     progress: Option<Progress<'_>>,
 ) -> Result<BaseRendering, RaycastError> {
     scene.validate()?;
+    if scene.view.perspective.is_some() {
+        return Err(RaycastError::Perspective);
+    }
     check_volume(volume, options.border)?;
     check_geometry(volume, geometry)?;
     let view = scene.view.frame()?;
@@ -92,7 +95,7 @@ pub fn discrete(
         sum: 1.0 / geometry.size[2] as f64,
         stop_below: 0.0,
     };
-    let integrator = Integrator::new(scene, volume, &view, &lights, weights);
+    let integrator = Integrator::new(scene, volume, &view, lights, weights);
     let neighbours = Integrator::reads_gradients(scene);
     let rows = RowCount::new(progress);
     let caster = Caster { geometry, estimator: &estimator, integrator, neighbours, rows: &rows };

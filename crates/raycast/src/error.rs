@@ -30,6 +30,9 @@ pub enum RaycastError {
         /// The volume's, in the geometry's axes.
         volume: [usize; 3],
     },
+    /// A perspective view, for a caster of parallel rays.
+    #[error("view.perspective: the casters on the base plane have parallel rays; leave it out, or take image-order")]
+    Perspective,
     /// An option out of range.
     #[error("{name}: {value} is {reason}; {right}")]
     Option {

@@ -8,6 +8,7 @@ use crate::{Progress, RaycastError};
 use cube3_host::{Geometry, ImagePlane, RaySlots, TemplateRule, canonical, over, slope_register, step_length};
 use cube3_scene::{Scene, resolve_lights};
 use cube3_volume::{Sample, Volume, with_samples};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// Transmittance below which [`ImageOrderOptions::early_termination`] stops a ray: no channel of the pixel is then
@@ -63,6 +64,12 @@ pub struct Rendering {
 /// step. Interpolation is trilinear; a gradient's component is the central difference of the values one voxel to
 /// either side, over the voxels' distance in the world.
 ///
+/// In perspective the rays run from the eye. One that begins in the box has its first sample at the eye. Light from the
+/// eye shines along each ray, and the eye of a highlight is the ray's. Depth, for depth cueing, is measured along the
+/// view and not along the ray. In a weighted sum the planes across the axis nearest to the view weigh the same on every
+/// ray, so that the weight of a step is the part of the volume's extent along that axis which it covers: what
+/// the weight in a parallel view along the ray is.
+///
 /// # Errors
 /// A scene with a value out of range, a volume that is no grid of finite values, an option out of range.
 pub fn image_order(
@@ -84,15 +91,15 @@ pub fn image_order(
         });
     }
     let view = scene.view.frame()?;
-    let lights = resolve_lights(scene, &view);
-    let plane = ImagePlane::new(&scene.image, &view, volume.dims, volume.spacing);
-    let (machine_step, depth) = machine_step(volume, view.direction);
+    let plane = ImagePlane::new(scene, &view, volume.dims, volume.spacing);
+    let (machine_step, axis) = machine_step(volume, view.direction);
+    let depth = volume.dims[axis] as f64;
     let weights = StepWeights {
         length: options.step_voxel,
-        sum: options.step_voxel / machine_step / depth as f64,
+        sum: options.step_voxel / machine_step / depth,
         stop_below: if options.early_termination { TERMINATION } else { 0.0 },
     };
-    let integrator = Integrator::new(scene, volume, &view, &lights, weights);
+    let integrator = Integrator::new(scene, volume, &view, resolve_lights(scene, &view), weights);
     let per_voxel = volume.spacing.map(|s| s / smallest);
     let rows = RowCount::new(progress);
     let mut pixels = vec![[0.0; 3]; plane.width * plane.height];
@@ -102,11 +109,11 @@ pub fn image_order(
             let mut integrator = integrator.clone();
             let mut samples = 0;
             for (column, pixel) in pixels.iter_mut().enumerate() {
-                let point = plane.point(column as f64, row as f64);
-                let line = Line {
-                    origin: [0, 1, 2].map(|i| point[i] / volume.spacing[i]),
-                    direction: [0, 1, 2].map(|i| view.direction[i] / per_voxel[i]),
-                };
+                let line = pixel_line(&plane, [column, row], volume.spacing, smallest);
+                if plane.eye.is_some() {
+                    let planes = line.direction[axis].abs() * options.step_voxel;
+                    integrator.start(line.world_direction, planes / depth);
+                }
                 let (premultiplied, taken) = cast_ray(&mut integrator, &grid, &line, options.step_voxel);
                 *pixel = over(premultiplied, scene.background);
                 samples += taken;
@@ -119,11 +126,10 @@ pub fn image_order(
     Ok(Rendering { width: plane.width, height: plane.height, pixels, samples })
 }
 
-/// The step of a base-plane ray of this view and the number of planes along its major axis: what a weighted sum is
-/// relative to.
-fn machine_step(volume: &Volume, direction: glam::DVec3) -> (f64, usize) {
+/// The step of a base-plane ray of this view and its major axis, along which the planes are counted: what a weighted sum
+/// is relative to.
+fn machine_step(volume: &Volume, direction: DVec3) -> (f64, usize) {
     let view = canonical(direction, volume.spacing);
-    let depth = view.axes.permute(volume.dims)[2];
     // Only axes and slopes matter to the length; one plane saves the templates.
     let geometry = Geometry::new(
         [1; 3],
@@ -134,18 +140,43 @@ fn machine_step(volume: &Volume, direction: glam::DVec3) -> (f64, usize) {
         TemplateRule::PlaneFloor,
         RaySlots::Padded,
     );
-    (step_length(&geometry, volume.spacing), depth)
+    (step_length(&geometry, volume.spacing), view.axes.axis[2])
 }
 
 /// A ray in voxels; its parameter counts the smallest voxel spacing.
 #[derive(Clone, Copy)]
 struct Line {
+    /// A point of it near the volume, so that the digits are there where the samples are.
     origin: [f64; 3],
     direction: [f64; 3],
+    /// The parameter of the eye; −∞ in a parallel view.
+    eye: f64,
+    /// The direction in the world, of unit length.
+    world_direction: DVec3,
+}
+
+/// The ray of a pixel.
+fn pixel_line(plane: &ImagePlane, [column, row]: [usize; 2], spacing: [f64; 3], smallest: f64) -> Line {
+    let (column, row) = (column as f64, row as f64);
+    let point = plane.crossing(column, row);
+    let (world_direction, eye) = match plane.eye {
+        None => (plane.direction, f64::NEG_INFINITY),
+        Some(_) => {
+            let (_, ray) = plane.ray(column, row);
+            let length = ray.length();
+            (ray / length, -plane.depth * length / smallest)
+        }
+    };
+    Line {
+        origin: [0, 1, 2].map(|i| point[i] / spacing[i]),
+        direction: [0, 1, 2].map(|i| world_direction[i] / (spacing[i] / smallest)),
+        eye,
+        world_direction,
+    }
 }
 
 impl Line {
-    /// Parameters at which the ray enters and leaves the box [0, n−1].
+    /// Parameters at which the ray enters the box [0, n−1], or begins in it, and leaves it.
     fn clip(&self, dims: [usize; 3]) -> Option<[f64; 2]> {
         let mut range = [f64::NEG_INFINITY, f64::INFINITY];
         for ((origin, direction), n) in self.origin.into_iter().zip(self.direction).zip(dims) {
@@ -159,7 +190,12 @@ impl Line {
             let (a, b) = ((0.0 - origin) / direction, (last - origin) / direction);
             range = [range[0].max(a.min(b)), range[1].min(a.max(b))];
         }
-        (range[0] <= range[1]).then_some(range)
+        let [enter, leave] = range;
+        if enter > leave || self.eye > leave + ON_FACE {
+            return None;
+        }
+        // An eye on a face that looks away still sees the face.
+        Some([enter.max(self.eye.min(leave)), leave])
     }
 
     /// The point at a parameter, held to the box.

@@ -2,7 +2,9 @@
 //! six modes. The same for all casters, and the meaning of the machine's.
 
 use cube3_host::depth_range;
-use cube3_scene::{DepthCue, Mode, ResolvedLight, Scene, Transfer, ViewFrame, corrected_opacity, phong, unit_vector};
+use cube3_scene::{
+    DepthCue, Mode, ResolvedLight, Scene, Transfer, ViewFrame, corrected_opacity, phong, turn_lights, unit_vector,
+};
 use cube3_volume::Volume;
 use glam::DVec3;
 
@@ -29,7 +31,7 @@ pub(crate) struct StepWeights {
 #[derive(Clone)]
 pub(crate) struct Integrator<'a> {
     scene: &'a Scene,
-    lights: &'a [ResolvedLight],
+    lights: Vec<ResolvedLight>,
     weights: StepWeights,
     cue: Option<LinearCue<'a>>,
     clipped: bool,
@@ -93,7 +95,7 @@ impl<'a> Integrator<'a> {
         scene: &'a Scene,
         volume: &Volume,
         view: &ViewFrame,
-        lights: &'a [ResolvedLight],
+        lights: Vec<ResolvedLight>,
         weights: StepWeights,
     ) -> Self {
         Integrator {
@@ -112,6 +114,13 @@ impl<'a> Integrator<'a> {
     pub fn reads_gradients(scene: &Scene) -> bool {
         let lit = matches!(scene.mode, Mode::Composite | Mode::FirstOpaque | Mode::LastOpaque);
         scene.transfer.is_two_dimensional() || lit && scene.material.shaded
+    }
+
+    /// The samples to come are those of a perspective view's ray along `direction`, of unit length, in the world, which
+    /// must be the frame of the gradients; in a weighted sum each weighs `sum`.
+    pub fn start(&mut self, direction: DVec3, sum: f64) {
+        turn_lights(self.scene, direction, &mut self.lights);
+        self.weights.sum = sum;
     }
 
     /// Adds sample `index` of a ray, the next one from the front.
@@ -209,7 +218,7 @@ impl<'a> Integrator<'a> {
         let rgb = self.scene.transfer.colour_at(value);
         let material = &self.scene.material;
         let normal = if material.shaded { normal(gradient.unwrap_or_else(|| probe.gradient())) } else { None };
-        self.cued(phong(material, self.lights, normal, rgb), probe)
+        self.cued(phong(material, &self.lights, normal, rgb), probe)
     }
 
     fn plain_colour(&self, value: f64, probe: &impl Probe) -> [f64; 3] {

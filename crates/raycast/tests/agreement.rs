@@ -103,7 +103,7 @@ fn disagreement(n: usize, mode: Mode, step_voxel: f64) -> f64 {
     let (volume, scene) = (ball(n), ball_scene(n, mode));
     let view = scene.view.frame().unwrap();
     let geometry = geometry_along(&volume, view.direction, TemplateRule::SampleFloor, 0.5);
-    let plane = ImagePlane::new(&scene.image, &view, volume.dims, volume.spacing);
+    let plane = ImagePlane::new(&scene, &view, volume.dims, volume.spacing);
     let base = true_3d(&volume, &scene, &geometry, &DiscreteOptions::default(), None).unwrap();
     let warped = base.warp(&geometry, &plane, volume.spacing, scene.background);
     let options = ImageOrderOptions { step_voxel, ..ImageOrderOptions::default() };

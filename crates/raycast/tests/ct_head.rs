@@ -53,7 +53,7 @@ fn errors(volume: &Volume, yaw_deg: f64) -> [f64; 3] {
     let scene = Scene { view: view.clone(), image: one_voxel_a_pixel(300, 300), ..Scene::default() };
     let options = DiscreteOptions::default();
     let reference = image_order(volume, &scene, &ImageOrderOptions::default(), None).unwrap().pixels;
-    let plane = ImagePlane::new(&scene.image, &view.frame().unwrap(), volume.dims, volume.spacing);
+    let plane = ImagePlane::new(&scene, &view.frame().unwrap(), volume.dims, volume.spacing);
 
     let sample_floor = geometry(volume, &view, TemplateRule::SampleFloor);
     let by_shear = sheared(volume, &scene, &sample_floor, &options, None).unwrap();

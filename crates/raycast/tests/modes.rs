@@ -9,8 +9,8 @@ use cube3_raycast::{
     BaseRendering, DiscreteOptions, ImageOrderOptions, Interpolation, RaySamples, discrete, image_order,
 };
 use cube3_scene::{
-    ColourPoint, Crop, Cut, DepthCue, Layer, Light, Mode, ResolvedLight, Scene, Threshold, Transfer, View,
-    corrected_opacity, phong, resolve_lights,
+    ColourPoint, Crop, Cut, DepthCue, Layer, Light, Mode, Perspective, ResolvedLight, Scene, Threshold, Transfer, View,
+    ViewFrame, corrected_opacity, phong, resolve_lights,
 };
 use cube3_volume::Volume;
 use glam::DVec3;
@@ -204,6 +204,27 @@ fn trilinear(volume: &Volume, border: f64, position: DVec3) -> f64 {
     sum
 }
 
+/// The scenes in parallel and from eyes before the volume and in it.
+fn scenes_and_eyes() -> Vec<Scene> {
+    let eyes = [Some([1.0, -9.0, 4.0]), Some([2.2, 0.4, 3.1]), None].map(|eye_voxel| {
+        let perspective = Perspective { eye_voxel, ..Perspective::new(75.0) };
+        move |scene: &Scene| {
+            let mut seen = scene.clone();
+            seen.view.perspective = Some(perspective);
+            seen.image.pixel_size_voxel = None;
+            seen
+        }
+    });
+    scenes()
+        .into_iter()
+        .flat_map(|scene| {
+            let mut all = eyes.each_ref().map(|from| from(&scene)).to_vec();
+            all.push(scene);
+            all
+        })
+        .collect()
+}
+
 #[test]
 fn every_mode_in_image_order_is_its_definition() {
     for (spacing, step_voxel) in [([1.0; 3], 1.0), ([1.0, 0.7, 1.9], 0.37)] {
@@ -211,21 +232,28 @@ fn every_mode_in_image_order_is_its_definition() {
         let smallest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
         let per_voxel = DVec3::from(spacing) / smallest;
         let last = DVec3::from(volume.dims.map(|n| (n - 1) as f64));
-        for scene in scenes() {
+        for scene in scenes_and_eyes() {
             let view = scene.view.frame().unwrap();
-            let plane = ImagePlane::new(&scene.image, &view, volume.dims, spacing);
-            let lights = resolve_lights(&scene, &view);
+            let plane = ImagePlane::new(&scene, &view, volume.dims, spacing);
             let machine = geometry(&volume, &scene);
-            let sum = step_voxel / step_length(&machine, spacing) / machine.size[2] as f64;
+            let major = machine.axes.axis[2];
             let options = ImageOrderOptions { step_voxel, border: 3.0, ..ImageOrderOptions::default() };
             let got = image_order(&volume, &scene, &options, None).unwrap();
             let mut expected = Vec::new();
             for row in 0..plane.height {
                 for column in 0..plane.width {
-                    let origin = plane.point(column as f64, row as f64) / DVec3::from(spacing);
-                    let direction = view.direction / per_voxel;
+                    let (origin, along) = plane.ray(column as f64, row as f64);
+                    let (origin, along) = (origin / DVec3::from(spacing), along.normalize());
+                    let direction = along / per_voxel;
                     let (a, b) = (-origin / direction, (last - origin) / direction);
-                    let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+                    let (mut enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+                    // What a ray of this direction sees in a parallel view, and what its steps weigh there.
+                    let lights = resolve_lights(&scene, &ViewFrame { direction: along, ..view });
+                    let mut sum = step_voxel / step_length(&machine, spacing) / machine.size[2] as f64;
+                    if scene.view.perspective.is_some() {
+                        enter = enter.max(0.0);
+                        sum = step_voxel * direction[major].abs() / volume.dims[major] as f64;
+                    }
                     let mut samples = Vec::new();
                     let mut t = enter;
                     while t <= leave {
@@ -245,7 +273,7 @@ fn every_mode_in_image_order_is_its_definition() {
                 }
             }
             let error = largest_difference(&got.pixels, &expected);
-            assert!(error < 1e-9, "{}, step {step_voxel}: {error}", scene.mode);
+            assert!(error < 1e-9, "{}, step {step_voxel}, {:?}: {error}", scene.mode, scene.view.perspective);
             assert!(got.pixels.iter().any(|pixel| *pixel != scene.background), "{} shows nothing", scene.mode);
         }
     }

@@ -8,7 +8,7 @@ use crate::check::{self, Checked};
 /// The largest width and height of a picture, in pixels.
 pub const LARGEST_IMAGE_PX: u32 = 16384;
 
-/// The raster of the picture; the centre of the volume is in its middle.
+/// The raster of the picture; the centre of the volume is in its middle, unless the eye is moved.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Image {
@@ -17,7 +17,7 @@ pub struct Image {
     /// The number of rows, 1 to [`LARGEST_IMAGE_PX`].
     pub height_px: u32,
     /// The distance between pixels, in units of the smallest voxel spacing, above 0; `None` makes
-    /// the volume's bounding sphere fit the picture.
+    /// the volume's bounding sphere fit the picture. Parallel views only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pixel_size_voxel: Option<f64>,
 }

@@ -14,7 +14,7 @@ pub const MOST_LIGHTS: usize = 8;
 /// sum is rounding error then, and its direction means nothing.
 const OPPOSITE: f64 = 1e-12;
 
-/// A light so far away that it has one direction everywhere.
+/// A light so far away that it has one direction everywhere, or one at the eye.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Light {
@@ -42,7 +42,7 @@ impl Light {
     }
 }
 
-/// A light as one view sees it.
+/// A light as one view sees it, or one ray of a perspective view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResolvedLight {
     /// Towards the light, of unit length.
@@ -56,23 +56,35 @@ pub struct ResolvedLight {
 /// The lights of `scene` as the view `frame` sees them, in the scene's order.
 ///
 /// A light whose direction is zero or not finite, which [`Scene::validate`] rejects, has zero vectors
-/// and lights nothing.
+/// and lights nothing. In perspective these are the lights of the ray through the picture's centre; [`turn_lights`]
+/// makes those of another.
 pub fn resolve_lights(scene: &Scene, frame: &ViewFrame) -> Vec<ResolvedLight> {
-    let eye = DVec3::ZERO - frame.direction;
     let resolve = |light: &Light| {
-        let Some(direction) = light.direction else {
-            return ResolvedLight { direction: eye, halfway: eye, colour: light.colour };
-        };
-        let direction = unit_vector(DVec3::from(direction)).unwrap_or_default();
-        let sum = direction + eye;
-        let halfway = if direction == DVec3::ZERO || sum.length() < OPPOSITE {
-            DVec3::ZERO
-        } else {
-            unit_vector(sum).unwrap_or_default()
-        };
-        ResolvedLight { direction, halfway, colour: light.colour }
+        let direction = light.direction.and_then(|direction| unit_vector(DVec3::from(direction))).unwrap_or_default();
+        ResolvedLight { direction, halfway: DVec3::ZERO, colour: light.colour }
     };
-    scene.lights.iter().map(resolve).collect()
+    let mut lights: Vec<ResolvedLight> = scene.lights.iter().map(resolve).collect();
+    turn_lights(scene, frame.direction, &mut lights);
+    lights
+}
+
+/// Makes `lights`, which are `scene`'s from [`resolve_lights`], those that a ray along `direction` sees, of unit
+/// length: a light at the eye shines along the ray, and what is halfway follows the eye.
+pub fn turn_lights(scene: &Scene, direction: DVec3, lights: &mut [ResolvedLight]) {
+    let eye = DVec3::ZERO - direction;
+    for (light, resolved) in scene.lights.iter().zip(lights) {
+        if light.direction.is_none() {
+            (resolved.direction, resolved.halfway) = (eye, eye);
+        } else {
+            resolved.halfway = halfway(resolved.direction, eye);
+        }
+    }
+}
+
+/// Halfway between two unit vectors; zero where they are opposite, or the light's is none.
+fn halfway(light: DVec3, eye: DVec3) -> DVec3 {
+    let sum = light + eye;
+    if light == DVec3::ZERO || sum.length() < OPPOSITE { DVec3::ZERO } else { unit_vector(sum).unwrap_or_default() }
 }
 
 #[cfg(test)]
@@ -110,6 +122,19 @@ mod tests {
             let light = resolved(Some(away.to_array()), view);
             assert_eq!(light.halfway, DVec3::ZERO);
             assert!(light.direction.dot(away) > 3.6);
+        }
+    }
+
+    #[test]
+    fn lights_turned_to_a_ray_are_those_of_a_view_along_it() {
+        let given = [None, Some([3.0, -1.0, 0.5]), Some([0.0, 0.0, 0.0]), Some([0.0, 2.0, 0.0])];
+        let lights = given.map(|direction| Light { direction, ..Light::default() }).to_vec();
+        let scene = Scene { lights, ..Scene::default() };
+        let mut turned = resolve_lights(&scene, &scene.view.frame().unwrap());
+        for (yaw, tilt) in [(0.0, 0.0), (180.0, 0.0), (33.0, -71.0), (30.0, 7.0)] {
+            let frame = View::from_angles(yaw, tilt).frame().unwrap();
+            turn_lights(&scene, frame.direction, &mut turned);
+            assert_eq!(turned, resolve_lights(&scene, &frame));
         }
     }
 

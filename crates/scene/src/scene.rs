@@ -75,13 +75,21 @@ impl Scene {
     /// # Errors
     ///
     /// The first thing that is wrong: a format of another version, a number that is not finite or out
-    /// of its range, points out of order, a vector without direction, too many cuts or lights.
+    /// of its range, points out of order, a vector without direction, a pixel size in a perspective view,
+    /// too many cuts or lights.
     pub fn validate(&self) -> Result<(), SceneError> {
         validate_schema(i64::from(self.schema))?;
         check::colour("background", self.background)?;
         self.volume.validate()?;
         self.view.validate()?;
         self.image.validate()?;
+        if self.view.perspective.is_some() && self.image.pixel_size_voxel.is_some() {
+            return Err(SceneError::at(
+                "image.pixel_size_voxel",
+                "a pixel has no one size in a perspective view",
+                "leave it out: `view.perspective.field_of_view_deg` sets what the picture shows",
+            ));
+        }
         self.transfer.validate()?;
         self.material.validate()?;
         check::at_most("light", self.lights.len(), MOST_LIGHTS)?;

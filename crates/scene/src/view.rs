@@ -3,10 +3,10 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::SceneError;
 use crate::angle::sin_cos_degrees;
 use crate::check::{self, Checked};
 use crate::unit_vector::unit_vector;
+use crate::{Perspective, SceneError};
 
 /// `up` may come this near to the line of sight: the sine of the angle between them.
 const LEAST_SINE_TO_UP: f64 = 1e-6;
@@ -32,6 +32,8 @@ pub struct View {
     /// What is up in the picture, with `direction` only: any vector not along it. `None` means +z, and
     /// what that tends to from yaw 0 when the view is along z: +y looking down, −y looking up.
     pub up: Option<[f64; 3]>,
+    /// Rays from an eye; `None` means parallel ones.
+    pub perspective: Option<Perspective>,
 }
 
 /// The keys as they stand in a file.
@@ -48,13 +50,15 @@ struct ViewInFile {
     direction: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     up: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    perspective: Option<Perspective>,
 }
 
 impl TryFrom<ViewInFile> for View {
     type Error = &'static str;
 
     fn try_from(given: ViewInFile) -> Result<Self, &'static str> {
-        let ViewInFile { yaw_deg, tilt_deg, roll_deg, direction, up } = given;
+        let ViewInFile { yaw_deg, tilt_deg, roll_deg, direction, up, perspective } = given;
         if direction.is_some() && (yaw_deg.is_some() || tilt_deg.is_some() || roll_deg.is_some()) {
             return Err("a direction and angles are both given; \
                 give `direction` (and `up`), or `yaw_deg`, `tilt_deg` and `roll_deg`, not both");
@@ -66,6 +70,7 @@ impl TryFrom<ViewInFile> for View {
             roll_deg: roll_deg.unwrap_or(default.roll_deg),
             direction,
             up,
+            perspective,
         })
     }
 }
@@ -79,6 +84,7 @@ impl From<View> for ViewInFile {
             roll_deg: angle(view.roll_deg),
             direction: view.direction,
             up: view.up,
+            perspective: view.perspective,
         }
     }
 }
@@ -106,7 +112,7 @@ pub struct ViewFrame {
 impl View {
     /// The view at these angles, without roll.
     pub fn from_angles(yaw_deg: f64, tilt_deg: f64) -> Self {
-        View { yaw_deg, tilt_deg, roll_deg: 0.0, direction: None, up: None }
+        View { yaw_deg, tilt_deg, roll_deg: 0.0, direction: None, up: None, perspective: None }
     }
 
     /// The view along `direction`, from the eye into the scene, with `up` upwards or +z if `None`.
@@ -160,7 +166,8 @@ impl View {
                 "give `direction` too, or `roll_deg` instead of `up`",
             ));
         }
-        self.frame().map(|_| ())
+        self.frame()?;
+        self.perspective.as_ref().map_or(Ok(()), Perspective::validate)
     }
 }
 
@@ -293,7 +300,7 @@ mod tests {
         fn angles_give_orthonormal_axes(
             yaw_deg in -1e6..1e6_f64, tilt_deg in -180.0..180.0_f64, roll_deg in -360.0..360.0_f64,
         ) {
-            let view = View { yaw_deg, tilt_deg, roll_deg, direction: None, up: None };
+            let view = View { roll_deg, ..View::from_angles(yaw_deg, tilt_deg) };
             assert_orthonormal(view.frame().unwrap(), 1e-14)?;
         }
 

@@ -1,7 +1,8 @@
 //! Scene files as their users write them, and the messages they get.
 
 use cube3_scene::{
-    ColourPoint, Crop, Cut, DepthCue, Layer, Light, Mode, Scene, Threshold, Transfer, View, VolumeSource,
+    ColourPoint, Crop, Cut, DepthCue, FARTHEST_EYE_VOXEL, Layer, Light, Mode, Perspective, Scene, Threshold, Transfer,
+    View, VolumeSource,
 };
 use proptest::prelude::*;
 
@@ -30,7 +31,8 @@ fn options_on(drop: impl Fn(&str) -> bool) -> String {
 
 #[test]
 fn every_option_in_the_commented_default_exists() {
-    let alternatives = ["file =", "yaw_deg", "tilt_deg", "roll_deg", "opacity = [[80.0, 0.0], [100.0"];
+    let alternatives =
+        ["file =", "yaw_deg", "tilt_deg", "roll_deg", "opacity = [[80.0, 0.0], [100.0", "eye_voxel", "pixel_size"];
     let mut opacities = 0;
     let text = options_on(|line| alternatives.iter().any(|start| line.starts_with(start)));
     // The ramp went from [transfer] and from the last layer: give it back to the layer.
@@ -44,15 +46,24 @@ fn every_option_in_the_commented_default_exists() {
         .collect();
     assert_eq!(opacities, 1);
     let scene = Scene::from_toml(&text, "options").unwrap();
-    assert!(scene.volume.window.is_some() && scene.image.pixel_size_voxel.is_some());
+    assert!(scene.volume.window.is_some() && scene.image.pixel_size_voxel.is_none());
+    let perspective = Perspective { distance_voxel: Some(300.0), ..Perspective::new(40.0) };
+    assert_eq!(scene.view.perspective, Some(perspective));
     assert!(scene.view.direction.is_some() && scene.view.up.is_some());
     assert!(scene.transfer.is_two_dimensional() && scene.transfer.opacity.is_empty());
     assert!(scene.lights[0].direction.is_some() && scene.depth_cue == Some(DepthCue::default()));
     assert!(scene.cuts.len() == 1 && scene.crop.is_some() && scene.threshold.is_some());
 
-    let file = options_on(|line| !line.starts_with("file =") && line != "[volume]");
-    let scene = Scene::from_toml(&file, "file").unwrap();
-    assert_eq!(scene.volume, VolumeSource::from_file("volume.nrrd"));
+    let only = |table: &str, start: &str| {
+        let text = options_on(|line| !line.starts_with(start) && line != table);
+        Scene::from_toml(&text, "one option").unwrap()
+    };
+    assert_eq!(only("[volume]", "file =").volume, VolumeSource::from_file("volume.nrrd"));
+    assert_eq!(only("[image]", "pixel_size").image.pixel_size_voxel, Some(1.0));
+    let text =
+        options_on(|line| !["[view.p", "field_of_view", "eye_voxel"].iter().any(|start| line.starts_with(start)));
+    let scene = Scene::from_toml(&text, "eye").unwrap();
+    assert_eq!(scene.view.perspective.unwrap().eye_voxel, Some([63.5, -150.0, 63.5]));
 }
 
 #[test]
@@ -83,7 +94,7 @@ fn each_message_has_the_place_the_reason_and_what_is_right() {
         (
             "[view]\ntilt = 3\n",
             "scene.toml:2: view.tilt: there is no key `tilt`; did you mean `tilt_deg`? \
-             The keys here are yaw_deg, tilt_deg, roll_deg, direction, up",
+             The keys here are yaw_deg, tilt_deg, roll_deg, direction, up, perspective",
         ),
         (
             "\nmode = \"maximal\"\n",
@@ -109,6 +120,20 @@ fn each_message_has_the_place_the_reason_and_what_is_right() {
             "[volume]\nfile = \"a\"\nphantom = \"head\"\n",
             "scene.toml:3: volume.phantom: a file and a phantom are both given; \
              give only one of `file` and `phantom`",
+        ),
+        (
+            "[view.perspective]\nfield_of_view = 3\n",
+            "scene.toml:2: view.perspective.field_of_view: there is no key `field_of_view`; \
+             did you mean `field_of_view_deg`? The keys here are field_of_view_deg, eye_voxel, distance_voxel",
+        ),
+        (
+            "[view.perspective]\neye_voxel = [1, 2, 3]\n",
+            "scene.toml:1: view.perspective: the key `field_of_view_deg` is missing; give `field_of_view_deg`",
+        ),
+        (
+            "[image]\npixel_size_voxel = 2\n[view.perspective]\nfield_of_view_deg = 40\n",
+            "scene.toml:2: image.pixel_size_voxel: a pixel has no one size in a perspective view; leave it out: \
+             `view.perspective.field_of_view_deg` sets what the picture shows",
         ),
         ("background = [0, 0]\n", "scene.toml:1: background: invalid length 2; give a list of 3 numbers"),
     ] {
@@ -148,6 +173,18 @@ fn every_fault_is_found_at_its_key() {
         ("[view]\ndirection = [0, 0, 0]", "view.direction"),
         ("[view]\ndirection = [0, 0, 1]\nup = [0, 0, 1]", "view.up"),
         ("[view]\nup = [0, 0, 1]", "view.up"),
+        ("[view.perspective]\nfield_of_view_deg = 0", "view.perspective.field_of_view_deg"),
+        ("[view.perspective]\nfield_of_view_deg = 0.0009", "view.perspective.field_of_view_deg"),
+        ("[view.perspective]\nfield_of_view_deg = 179.1", "view.perspective.field_of_view_deg"),
+        ("[view.perspective]\nfield_of_view_deg = nan", "view.perspective.field_of_view_deg"),
+        ("[view]\nperspective = { field_of_view_deg = 9, eye_voxel = [0, nan, 0] }", "view.perspective.eye_voxel[1]"),
+        ("[view]\nperspective = { field_of_view_deg = 9, eye_voxel = [0, 0, -2e12] }", "view.perspective.eye_voxel[2]"),
+        ("[view]\nperspective = { field_of_view_deg = 9, distance_voxel = -1 }", "view.perspective.distance_voxel"),
+        ("[view]\nperspective = { field_of_view_deg = 9, distance_voxel = 2e12 }", "view.perspective.distance_voxel"),
+        (
+            "[view]\nperspective = { field_of_view_deg = 9, distance_voxel = 1, eye_voxel = [0, 0, 0] }",
+            "view.perspective.distance_voxel",
+        ),
         ("[image]\nwidth_px = 0", "image.width_px"),
         ("[image]\nheight_px = 16385", "image.height_px"),
         ("[image]\nwidth_px = -1", "image.width_px"),
@@ -251,12 +288,24 @@ prop_compose! {
     }
 }
 
+fn perspective() -> impl Strategy<Value = Perspective> {
+    let at = || prop_oneof![-1e3..1e3_f64, Just(FARTHEST_EYE_VOXEL), Just(-FARTHEST_EYE_VOXEL), Just(-0.0)];
+    let eye = prop_oneof![
+        Just((None, None)),
+        prop::array::uniform3(at()).prop_map(|eye| (Some(eye), None)),
+        at().prop_map(|distance| (None, Some(distance.abs()))),
+    ];
+    (prop_oneof![0.001..=179.0_f64, Just(0.001), Just(179.0)], eye).prop_map(
+        |(field_of_view_deg, (eye_voxel, distance_voxel))| Perspective { field_of_view_deg, eye_voxel, distance_voxel },
+    )
+}
+
 prop_compose! {
     fn scene()(
         mode in prop::sample::select(Mode::ALL.to_vec()),
         background in prop::array::uniform3(unit()),
         angles in prop::array::uniform2(-1e4..1e4_f64), roll_deg in -1e4..1e4_f64,
-        direction in prop::option::of(vector()),
+        direction in prop::option::of(vector()), perspective in prop::option::of(perspective()),
         file in prop::option::of("[a-z \"\\\\é]{1,9}"),
         window in prop::option::of(Just([-5.0, 7.5])),
         pixel_size_voxel in prop::option::of(1e-9..1e9_f64),
@@ -283,7 +332,8 @@ prop_compose! {
             threshold: threshold.map(|(low, high)| Threshold { low, high }),
             ..Scene::default()
         };
-        scene.image.pixel_size_voxel = pixel_size_voxel;
+        scene.view.perspective = perspective;
+        scene.image.pixel_size_voxel = if perspective.is_some() { None } else { pixel_size_voxel };
         scene
     }
 }

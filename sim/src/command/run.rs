@@ -1,6 +1,6 @@
 //! `cube3 run`: one frame on the machine.
 
-use super::{RawArguments, on_threads};
+use super::{RawArguments, on_threads, three};
 use crate::inputs;
 use crate::output::write_run;
 use crate::problem::{Outcome, Problem};
@@ -8,7 +8,7 @@ use crate::run::{Reference, RunOptions, Runs, run_frame};
 use clap::{Args, Parser, ValueEnum};
 use cube3_host::{GradientMethod, MachineSpec, RaySlots, TemplateRule};
 use cube3_report::table;
-use cube3_scene::{Mode, Scene};
+use cube3_scene::{Mode, Perspective, Scene, View};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -41,6 +41,15 @@ pub struct RunArguments {
     /// Degrees that the eye is raised above the horizon.
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     tilt: Option<f64>,
+    /// Perspective: degrees between the picture's lower and upper edge.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    fov: Option<f64>,
+    /// Where the eye of a perspective view is, in voxels; the view's direction stays.
+    #[arg(long, value_name = "X,Y,Z", value_parser = eye, allow_hyphen_values = true)]
+    eye: Option<[f64; 3]>,
+    /// How far before the volume's centre the eye of a perspective view is, in voxels.
+    #[arg(long, value_name = "VOXELS", allow_negative_numbers = true, conflicts_with = "eye")]
+    distance: Option<f64>,
     /// Gradient estimator: 6, 26, 10, 10n, 12, 6d or 26d.
     #[arg(long, value_name = "NAME", value_parser = gradient)]
     gradient: Option<GradientMethod>,
@@ -116,6 +125,10 @@ fn gradient(name: &str) -> Result<GradientMethod, String> {
         .find(|(_, known)| *known == name)
         .map(|(method, _)| *method)
         .ok_or_else(|| format!("known are {}", names()))
+}
+
+fn eye(text: &str) -> Result<[f64; 3], String> {
+    three(text, ',', "63.5,-150,63.5")
 }
 
 /// The run command on its own, to take its defaults from.
@@ -221,9 +234,30 @@ impl RunArguments {
         }
         scene.view.yaw_deg = self.yaw.unwrap_or(scene.view.yaw_deg);
         scene.view.tilt_deg = self.tilt.unwrap_or(scene.view.tilt_deg);
+        self.place_eye(&mut scene.view)?;
         scene.mode = self.mode.unwrap_or(scene.mode);
         scene.validate()?;
         Ok(scene)
+    }
+
+    /// Makes the view the perspective that the options ask for.
+    fn place_eye(&self, view: &mut View) -> Outcome<()> {
+        if let Some(field_of_view_deg) = self.fov {
+            let before = view.perspective.unwrap_or(Perspective::new(field_of_view_deg));
+            view.perspective = Some(Perspective { field_of_view_deg, ..before });
+        }
+        if self.eye.is_none() && self.distance.is_none() {
+            return Ok(());
+        }
+        let Some(perspective) = &mut view.perspective else {
+            let option = if self.eye.is_some() { "--eye" } else { "--distance" };
+            return Err(Problem::new(format!(
+                "{option} is for perspective views, and this one is parallel; give --fov DEGREES too, or [view.perspective] \
+                 in the scene"
+            )));
+        };
+        (perspective.eye_voxel, perspective.distance_voxel) = (self.eye, self.distance);
+        Ok(())
     }
 
     fn machine(&self) -> Outcome<MachineSpec> {
@@ -248,5 +282,42 @@ pub(super) fn print(text: &str) -> Outcome<()> {
     match std::io::stdout().write_all(text.as_bytes()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn view(arguments: &[&str]) -> Outcome<View> {
+        let run = Alone::try_parse_from([&["cube3"], arguments].concat()).unwrap().run;
+        run.scene().map(|scene| scene.view)
+    }
+
+    #[test]
+    fn options_place_the_eye() {
+        assert_eq!(view(&["--yaw", "20"]).unwrap().perspective, None);
+        let perspective = |arguments: &[&str]| view(arguments).unwrap().perspective.unwrap();
+        assert_eq!(perspective(&["--fov", "40"]), Perspective::new(40.0));
+        let near = Perspective { distance_voxel: Some(90.0), ..Perspective::new(40.0) };
+        assert_eq!(perspective(&["--fov", "40", "--distance", "90"]), near);
+        let inside = Perspective { eye_voxel: Some([-1.5, 2.0, 3e2]), ..Perspective::new(40.0) };
+        assert_eq!(perspective(&["--eye", "-1.5, 2,3e2", "--fov", "40"]), inside);
+    }
+
+    #[test]
+    fn options_override_the_eye_of_the_scene_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.toml");
+        std::fs::write(&path, "[view.perspective]\nfield_of_view_deg = 30\neye_voxel = [1, 2, 3]\n").unwrap();
+        let path = path.to_str().unwrap();
+        let perspective = |more: &[&str]| view(&[&["--scene", path], more].concat()).unwrap().perspective.unwrap();
+        let of_file = Perspective { eye_voxel: Some([1.0, 2.0, 3.0]), ..Perspective::new(30.0) };
+        assert_eq!(perspective(&[]), of_file);
+        assert_eq!(perspective(&["--fov", "50"]), Perspective { field_of_view_deg: 50.0, ..of_file });
+        let moved = Perspective { eye_voxel: Some([4.0, 5.0, 6.0]), ..of_file };
+        assert_eq!(perspective(&["--eye", "4,5,6"]), moved);
+        let near = Perspective { eye_voxel: None, distance_voxel: Some(7.0), ..of_file };
+        assert_eq!(perspective(&["--distance", "7"]), near);
     }
 }
