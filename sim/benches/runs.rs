@@ -17,7 +17,7 @@ fn timing(c: &mut Criterion) {
     group.throughput(Throughput::Elements(512 * 512));
     group.bench_function("a frame of 512 cubed, slots", |b| {
         b.iter(|| {
-            let mut run = Machine::timing(&machine, black_box(&setup).clone()).unwrap();
+            let mut run = Machine::timing(&machine, vec![black_box(&setup).clone()]).unwrap();
             run.run(&|_, _| {}).unwrap();
             run.counters().cycles
         });

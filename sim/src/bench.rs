@@ -179,7 +179,7 @@ fn timing(plan: &Plan) -> Outcome<(u64, f64)> {
     let frame = frame_setup(&Scene::default(), &machine, &volume, true)?;
     let mut cycles = 0;
     let mut failed = None;
-    let time = seconds(plan.repeats, || match Machine::timing(&machine, frame.setup.clone()) {
+    let time = seconds(plan.repeats, || match Machine::timing(&machine, vec![frame.setup.clone()]) {
         Ok(mut machine) => {
             failed = machine.run(&|_, _| {}).err().map(RunError::from);
             cycles = machine.counters().cycles;

@@ -9,16 +9,17 @@ use crate::host_port::{Collector, HostPort, NoHost};
 use cube3_abc::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, Shader};
 use cube3_cfb::golden::Skew;
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, Fetch, FrameBuffer, FrameBufferError, NoVoxels};
-use cube3_channel::{Account, Channel, ChannelCounters, ChannelError, Deadlock, PortState, Wait, diagnose};
+use cube3_channel::{Account, Activity, Channel, ChannelCounters, ChannelError, Deadlock, PortState, Wait, diagnose};
 use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelGroup, Reduce, Reducer};
 use cube3_dsb::bus::{Align, BusUnit, NoBus};
 use cube3_dsb::{DsbSpec, DsbUnit, NoPlanes, PlaneStore, RayPair, Rotator, Store};
 use cube3_host::{BasePlane, ChannelSize, FrameSetup, MachineSpec};
 use cube3_trilin::{Interpolate, Interpolator, NoSamples, SampleRay, TrilinSpec, TrilinUnit};
 
-/// A machine with the registers of one frame.
+/// A machine with the registers of the frames that it is to render, one after another.
 pub struct Machine<F: Fidelity> {
-    setup: FrameSetup,
+    frames: Vec<FrameSetup>,
+    overlap: bool,
     cfb: CfbUnit<F::Cfb>,
     bus: BusUnit<F::Bus>,
     dsb: DsbUnit<F::Dsb>,
@@ -34,6 +35,7 @@ pub struct Machine<F: Fidelity> {
     pixels: Channel<PixelGroup<<F::Cone as Reduce>::Output>>,
     cycle: u64,
     last_move: u64,
+    frame_ends: Vec<u64>,
 }
 
 /// Why a machine cannot be built or run.
@@ -55,6 +57,8 @@ pub enum RunError {
 pub struct RunCounters {
     /// Cycles from the first fetch to the last pixel.
     pub cycles: u64,
+    /// Cycles from the first fetch to the last pixel of each frame.
+    pub frame_ends: Vec<u64>,
     /// Beams read from the modules.
     pub beams: u64,
     /// Ray slots that went through the pipeline.
@@ -94,14 +98,11 @@ impl<T> From<&Channel<T>> for ChannelReading {
     }
 }
 
-/// The arithmetic of each unit, in pipeline order.
+/// The arithmetic of a frame in each unit that keeps some between tokens, in pipeline order.
 struct Parts<F: Fidelity> {
-    cfb: F::Cfb,
-    bus: F::Bus,
     dsb: F::Dsb,
     trilin: F::Trilin,
     abc: F::Abc,
-    cone: F::Cone,
     host: F::Host,
 }
 
@@ -114,17 +115,9 @@ impl Machine<Timing> {
     ///
     /// # Errors
     /// A channel that cannot be built.
-    pub fn timing(machine: &MachineSpec, setup: FrameSetup) -> Result<Machine<Timing>, RunError> {
-        let parts = Parts {
-            cfb: NoVoxels,
-            bus: NoBus,
-            dsb: NoPlanes,
-            trilin: NoSamples,
-            abc: NoShading,
-            cone: NoPixels,
-            host: NoHost,
-        };
-        Ok(Machine::assemble(machine, setup, parts)?)
+    pub fn timing(machine: &MachineSpec, frames: Vec<FrameSetup>) -> Result<Machine<Timing>, RunError> {
+        let parts = |_: &FrameSetup| Parts { dsb: NoPlanes, trilin: NoSamples, abc: NoShading, host: NoHost };
+        Ok(Machine::assemble(machine, frames, NoVoxels, NoBus, NoPixels, parts)?)
     }
 }
 
@@ -135,32 +128,31 @@ impl Machine<Cycle> {
     /// A channel that cannot be built, and a skew that needs too much memory.
     pub fn cycle(
         machine: &MachineSpec,
-        setup: FrameSetup,
+        frames: Vec<FrameSetup>,
         dims: [usize; 3],
         voxels: &[u16],
     ) -> Result<Machine<Cycle>, RunError> {
         let lanes = machine.lanes;
         let skew = Skew { coefficients: machine.cfb.skew, lanes };
-        let parts = Parts {
-            cfb: FrameBuffer::new(skew, dims, voxels)?,
-            bus: Rotator { lanes },
+        let memory = FrameBuffer::new(skew, dims, voxels)?;
+        let parts = |setup: &FrameSetup| Parts {
             dsb: PlaneStore::new(&setup.geometry, lanes, machine.dsb.planes),
-            trilin: Interpolator::new(&setup, lanes),
-            abc: Shader::new(&setup, lanes, true),
-            cone: Reducer::default(),
+            trilin: Interpolator::new(setup, lanes),
+            abc: Shader::new(setup, lanes, true),
             host: Collector { base: BasePlane::empty(&setup.geometry, setup.words.accumulator_bits) },
         };
-        Ok(Machine::assemble(machine, setup, parts)?)
+        Ok(Machine::assemble(machine, frames, memory, Rotator { lanes }, Reducer::default(), parts)?)
     }
 
-    /// Words that were saturated, by wire.
+    /// Words that were saturated, by wire, over all frames.
     pub fn overflows(&self) -> Overflows {
-        Overflows { shading: self.abc.arithmetic().overflows(), pixel: self.cone.arithmetic().overflows() }
+        let shading = self.abc.arithmetic().map(Shader::overflows).sum();
+        Overflows { shading, pixel: self.cone.arithmetic().overflows() }
     }
 
-    /// The base plane.
-    pub fn into_base_plane(self) -> BasePlane {
-        self.host.into_collector().base
+    /// The base planes, frame by frame.
+    pub fn into_base_planes(self) -> Vec<BasePlane> {
+        self.host.into_collectors().map(|collector| collector.base).collect()
     }
 }
 
@@ -180,18 +172,53 @@ impl Overflows {
     }
 }
 
+/// Ray slots of a frame.
+fn slots_of(setup: &FrameSetup) -> u64 {
+    let [slots, planes] = setup.geometry.slot_counts();
+    slots as u64 * planes as u64
+}
+
 impl<F: Fidelity> Machine<F> {
-    fn assemble(machine: &MachineSpec, setup: FrameSetup, parts: Parts<F>) -> Result<Machine<F>, ChannelError> {
-        let geometry = &setup.geometry;
+    /// The units' names, in pipeline order.
+    pub const UNITS: [&'static str; 8] = [
+        CfbUnit::<F::Cfb>::NAME,
+        BusUnit::<F::Bus>::NAME,
+        DsbUnit::<F::Dsb>::WRITE,
+        DsbUnit::<F::Dsb>::READ,
+        TrilinUnit::<F::Trilin>::NAME,
+        AbcUnit::<F::Abc>::NAME,
+        ConeUnit::<F::Cone>::NAME,
+        HostPort::<F::Host>::NAME,
+    ];
+
+    fn assemble(
+        machine: &MachineSpec,
+        frames: Vec<FrameSetup>,
+        memory: F::Cfb,
+        wires: F::Bus,
+        nodes: F::Cone,
+        parts: impl Fn(&FrameSetup) -> Parts<F>,
+    ) -> Result<Machine<F>, ChannelError> {
         let sizes = &machine.channel;
+        let mut dsb = Vec::new();
+        let mut trilin = Vec::new();
+        let mut abc = Vec::new();
+        let mut host = Vec::new();
+        for setup in &frames {
+            let parts = parts(setup);
+            dsb.push((DsbSpec::new(machine, &setup.geometry), parts.dsb));
+            trilin.push((TrilinSpec::new(machine, &setup.geometry), parts.trilin));
+            abc.push((AbcSpec::new(machine, setup), parts.abc));
+            host.push((slots_of(setup), parts.host));
+        }
         Ok(Machine {
-            cfb: CfbUnit::new(CfbSpec::new(machine, geometry), parts.cfb),
-            bus: BusUnit::new(machine, geometry, parts.bus),
-            dsb: DsbUnit::new(DsbSpec::new(machine, geometry), parts.dsb),
-            trilin: TrilinUnit::new(TrilinSpec::new(machine, geometry), parts.trilin),
-            abc: AbcUnit::new(AbcSpec::new(machine, &setup), parts.abc),
-            cone: ConeUnit::new(ConeSpec::new(machine, &setup), parts.cone),
-            host: HostPort::new(parts.host),
+            cfb: CfbUnit::new(frames.iter().map(|setup| CfbSpec::new(machine, &setup.geometry)).collect(), memory),
+            bus: BusUnit::new(machine, frames.iter().map(|setup| &setup.geometry), wires),
+            dsb: DsbUnit::new(dsb),
+            trilin: TrilinUnit::new(trilin),
+            abc: AbcUnit::new(abc),
+            cone: ConeUnit::new(frames.iter().map(|setup| ConeSpec::new(machine, setup)).collect(), nodes),
+            host: HostPort::new(host),
             beams: channel("beams", sizes.beams)?,
             aligned: channel("aligned", sizes.aligned)?,
             rays: channel("rays", sizes.rays)?,
@@ -200,23 +227,30 @@ impl<F: Fidelity> Machine<F> {
             pixels: channel("pixels", sizes.pixels)?,
             cycle: 0,
             last_move: 0,
-            setup,
+            frame_ends: Vec::with_capacity(frames.len()),
+            overlap: machine.frames.overlap,
+            frames,
         })
     }
 
-    /// One cycle. Every unit ticks, each with the channels at its ends; then every channel commits.
+    /// One cycle. Every unit ticks, each with the channels at its ends; then every channel commits. What each unit did, in the
+    /// order of [`Machine::UNITS`].
     #[inline]
-    fn tick(&mut self) -> bool {
-        let setup = &self.setup;
-        let mut moved = self.host.tick(setup, &mut self.pixels);
-        moved |= self.cone.tick(setup, &mut self.shaded, &mut self.pixels);
-        moved |= self.abc.tick(setup, &mut self.samples, &mut self.shaded);
-        moved |= self.trilin.tick(setup, &mut self.rays, &mut self.samples);
-        moved |= self.dsb.tick(&mut self.aligned, &mut self.rays);
-        moved |= self.bus.tick(setup, &mut self.beams, &mut self.aligned);
-        moved |= self.cfb.tick(setup, &mut self.beams);
+    fn tick(&mut self) -> [Activity; 8] {
+        let frames = &self.frames;
+        let released = if self.overlap { u32::MAX } else { self.host.frames_done() + 1 };
+        let host = self.host.tick(frames, &mut self.pixels);
+        let cone = self.cone.tick(frames, &mut self.shaded, &mut self.pixels);
+        let abc = self.abc.tick(frames, &mut self.samples, &mut self.shaded);
+        let trilin = self.trilin.tick(frames, &mut self.rays, &mut self.samples);
+        let [write, read] = self.dsb.tick(&mut self.aligned, &mut self.rays);
+        let bus = self.bus.tick(frames, &mut self.beams, &mut self.aligned);
+        let cfb = self.cfb.tick(frames, released, &mut self.beams);
         self.commit();
-        moved
+        if self.host.frames_done() as usize > self.frame_ends.len() {
+            self.frame_ends.push(self.cycle);
+        }
+        [cfb, bus, write, read, trilin, abc, cone, host]
     }
 
     #[inline]
@@ -230,21 +264,19 @@ impl<F: Fidelity> Machine<F> {
         self.cycle += 1;
     }
 
-    /// Ray slots of the frame.
+    /// Ray slots of all frames.
     fn ray_slots(&self) -> u64 {
-        let [slots, planes] = self.setup.geometry.slot_counts();
-        slots as u64 * planes as u64
+        self.frames.iter().map(slots_of).sum()
     }
 
-    /// Runs the frame; `progress(done, all)` is called now and then with the slots at the host.
+    /// Runs the frames; `progress(done, all)` is called now and then with the slots at the host.
     ///
     /// # Errors
     /// A machine that cannot move; nothing has been waited for longer than the longest channel latency.
     pub fn run(&mut self, progress: &dyn Fn(u64, u64)) -> Result<(), Deadlock> {
         let all = self.ray_slots();
         while self.host.received() < all {
-            let moved = self.tick();
-            if moved {
+            if self.tick().into_iter().any(Activity::is_active) {
                 self.last_move = self.cycle;
             } else if !self.in_flight() {
                 return Err(self.deadlock());
@@ -294,16 +326,17 @@ impl<F: Fidelity> Machine<F> {
     /// The counters so far.
     pub fn counters(&self) -> RunCounters {
         let [write, read] = self.dsb.accounts();
-        let units = vec![
-            (CfbUnit::<F::Cfb>::NAME, *self.cfb.account()),
-            (BusUnit::<F::Bus>::NAME, *self.bus.account()),
-            (DsbUnit::<F::Dsb>::WRITE, *write),
-            (DsbUnit::<F::Dsb>::READ, *read),
-            (TrilinUnit::<F::Trilin>::NAME, *self.trilin.account()),
-            (AbcUnit::<F::Abc>::NAME, *self.abc.account()),
-            (ConeUnit::<F::Cone>::NAME, *self.cone.account()),
-            (HostPort::<F::Host>::NAME, *self.host.account()),
+        let accounts = [
+            self.cfb.account(),
+            self.bus.account(),
+            write,
+            read,
+            self.trilin.account(),
+            self.abc.account(),
+            self.cone.account(),
+            self.host.account(),
         ];
+        let units = Self::UNITS.into_iter().zip(accounts.map(|account| *account)).collect();
         let channels = vec![
             ChannelReading::from(&self.beams),
             ChannelReading::from(&self.aligned),
@@ -314,6 +347,7 @@ impl<F: Fidelity> Machine<F> {
         ];
         RunCounters {
             cycles: self.cycle,
+            frame_ends: self.frame_ends.clone(),
             beams: self.cfb.fetched(),
             ray_slots: self.ray_slots(),
             steady_cycles: self.cfb.account().active().max(self.dsb.accounts()[1].active()),

@@ -246,16 +246,16 @@ fn run_machine(
         Runs::Cycle => {
             let progress = Progress::new("cycle");
             let words = &volume.words;
-            let mut bases = Vec::new();
-            for setup in &frames.setups {
-                let mut machine = Machine::cycle(machine, setup.clone(), words.dims, &words.words)?;
+            if !frames.setups.is_empty() {
+                let mut machine = Machine::cycle(machine, frames.setups.clone(), words.dims, &words.words)?;
                 machine.run(&|done, all| progress.set(done, all))?;
-                run.counters = Some(after(run.counters, machine.counters()));
-                run.overflows = run.overflows.plus(machine.overflows());
-                bases.push(machine.into_base_plane());
+                run.counters = Some(machine.counters());
+                run.overflows = machine.overflows();
+                run.bases = Some(machine.into_base_planes());
+            } else {
+                run.bases = Some(Vec::new());
             }
             run.cycle_s = Some(progress.finish());
-            run.bases = Some(bases);
         }
     }
     Ok(run)
@@ -269,42 +269,14 @@ impl MachineRun {
     }
 }
 
-/// The counters of a frame that is run after others.
-fn after(before: Option<RunCounters>, frame: RunCounters) -> RunCounters {
-    let Some(mut sum) = before else {
-        return frame;
-    };
-    sum.cycles += frame.cycles;
-    sum.beams += frame.beams;
-    sum.ray_slots += frame.ray_slots;
-    sum.steady_cycles += frame.steady_cycles;
-    for ((_, account), (_, more)) in sum.units.iter_mut().zip(&frame.units) {
-        account.busy += more.busy;
-        account.starved += more.starved;
-        account.blocked += more.blocked;
-        for (waiting, more) in account.waiting.iter_mut().zip(more.waiting) {
-            *waiting += more;
-        }
-    }
-    for (channel, more) in sum.channels.iter_mut().zip(&frame.channels) {
-        channel.occupancy += more.occupancy;
-        channel.counters.pushes += more.counters.pushes;
-        channel.counters.pops += more.counters.pops;
-        channel.counters.max_occupancy = channel.counters.max_occupancy.max(more.counters.max_occupancy);
-        channel.counters.occupancy_cycles += more.counters.occupancy_cycles;
-    }
-    sum
-}
-
 fn timing(frames: &Frames, machine: &MachineSpec) -> Outcome<(Option<RunCounters>, f64)> {
     let progress = Progress::new("timing");
-    let mut counters = None;
-    for setup in &frames.setups {
-        let mut machine: Machine<Timing> = Machine::timing(machine, setup.clone())?;
-        machine.run(&|done, all| progress.set(done, all))?;
-        counters = Some(after(counters, machine.counters()));
+    if frames.setups.is_empty() {
+        return Ok((None, progress.finish()));
     }
-    Ok((counters, progress.finish()))
+    let mut machine: Machine<Timing> = Machine::timing(machine, frames.setups.clone())?;
+    machine.run(&|done, all| progress.set(done, all))?;
+    Ok((Some(machine.counters()), progress.finish()))
 }
 
 fn function(frames: &Frames, volume: &LoadedVolume, skip: bool) -> (Vec<FunctionRun>, f64) {

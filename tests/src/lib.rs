@@ -97,8 +97,8 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
                     template: if plane { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
                     offset,
                 },
-                cfb: Cfb { skew },
-                dsb: Dsb { planes },
+                cfb: Cfb { skew, ..Cfb::default() },
+                dsb: Dsb { planes, ..Dsb::default() },
                 trilin: Trilin { reuse },
                 abc: Abc {
                     gradient,
@@ -106,6 +106,7 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
                     power_bits: 10.min(words.normal_bits - 1),
                     root_bits: 6,
                     reflectance_bits: 3,
+                    planes: 4,
                 },
                 channel: Channels { beams, aligned, rays, samples, shaded, pixels },
                 ..MachineSpec::default()

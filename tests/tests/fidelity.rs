@@ -30,16 +30,16 @@ proptest! {
     #[test]
     fn cycle_equals_function_in_every_bit_and_timing_in_every_counter((machine, scene, volume) in case()) {
         let setup = setup(&scene, &machine, &volume, true);
-        let mut cycle = Machine::cycle(&machine, setup.clone(), volume.dims, &volume.words).unwrap();
+        let mut cycle = Machine::cycle(&machine, vec![setup.clone()], volume.dims, &volume.words).unwrap();
         cycle.run(&|_, _| {}).unwrap();
         let function = function(&setup, &volume, true);
         let counters = cycle.counters();
         prop_assert_eq!(cycle.overflows(), function.overflows);
-        prop_assert_eq!(cycle.into_base_plane(), function.base);
+        prop_assert_eq!(cycle.into_base_planes().remove(0), function.base);
 
         let [slots, planes] = setup.geometry.slot_counts();
         prop_assert_eq!(counters.ray_slots, (slots * planes) as u64);
-        let mut timing = Machine::timing(&machine, setup).unwrap();
+        let mut timing = Machine::timing(&machine, vec![setup]).unwrap();
         timing.run(&|_, _| {}).unwrap();
         prop_assert_eq!(&timing.counters(), &counters);
 
@@ -56,9 +56,9 @@ proptest! {
         let image = |slots: RaySlots| {
             let machine = MachineSpec { rays: Rays { slots, ..machine.rays }, ..machine.clone() };
             let setup = setup(&scene, &machine, &volume, true);
-            let mut run = Machine::cycle(&machine, setup, volume.dims, &volume.words).unwrap();
+            let mut run = Machine::cycle(&machine, vec![setup], volume.dims, &volume.words).unwrap();
             run.run(&|_, _| {}).unwrap();
-            run.into_base_plane()
+            run.into_base_planes().remove(0)
         };
         prop_assert_eq!(image(RaySlots::Wrapped), image(RaySlots::Padded));
     }

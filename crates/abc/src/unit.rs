@@ -22,6 +22,8 @@ pub const RING: usize = 4;
 /// A slot of coloured samples.
 #[derive(Clone, Debug, Default)]
 pub struct ShadedRay<D> {
+    /// Frame, from 0.
+    pub frame: u32,
     /// Plane of ray slots.
     pub plane: u32,
     /// Ray slot.
@@ -254,6 +256,20 @@ impl AbcSpec {
         [turn(e / self.slots, self.planes, self.closes[1]), turn(e % self.slots, self.slots, self.closes[0])]
     }
 
+    /// The oldest plane of the ring that the e-th slot and later ones need: the one above it. Where the first plane comes
+    /// last, that is the last.
+    #[inline]
+    fn oldest(&self, e: u64) -> u64 {
+        let [current, _] = self.order(e);
+        if !self.buffered {
+            current
+        } else if self.closes[1] && e >= self.slots * (self.planes - 1) {
+            self.planes - 1
+        } else {
+            current.saturating_sub(1)
+        }
+    }
+
     /// How many rays must have come before a slot can be shaded.
     #[inline]
     pub fn needed(&self, plane: u64, slot: u64) -> u64 {
@@ -268,16 +284,28 @@ impl AbcSpec {
 /// The ABC unit.
 #[derive(Clone, Debug)]
 pub struct AbcUnit<A> {
-    spec: AbcSpec,
-    arithmetic: A,
+    frames: Vec<AbcFrame<A>>,
     state: State,
     account: Account,
+}
+
+/// A frame's data sheet and arithmetic.
+#[derive(Clone, Debug)]
+struct AbcFrame<A> {
+    spec: AbcSpec,
+    arithmetic: A,
+    /// Rays of the frames before.
+    base: u64,
 }
 
 /// Where the two ports are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct State {
+    /// Rays taken, over all frames.
     taken: u64,
+    /// Frame that is being given.
+    frame: u32,
+    /// Rays given of that frame.
     given: u64,
     take_spent: u64,
     give_spent: u64,
@@ -287,21 +315,26 @@ impl<A: Shade> AbcUnit<A> {
     /// The unit's name.
     pub const NAME: &'static str = "abc";
 
-    /// Units at the start of a frame.
-    pub fn new(spec: AbcSpec, arithmetic: A) -> AbcUnit<A> {
-        AbcUnit { spec, arithmetic, state: State::default(), account: Account::default() }
+    /// Units at the start of the first frame: a data sheet and the arithmetic for each.
+    pub fn new(parts: impl IntoIterator<Item = (AbcSpec, A)>) -> AbcUnit<A> {
+        let mut base = 0;
+        let frame = |(spec, arithmetic): (AbcSpec, A)| {
+            base += spec.slots * spec.planes;
+            AbcFrame { spec, arithmetic, base: base - spec.slots * spec.planes }
+        };
+        AbcUnit { frames: parts.into_iter().map(frame).collect(), state: State::default(), account: Account::default() }
     }
 
-    /// One cycle: a ray is taken and a ray is given, at most. Returns whether anything moved.
+    /// One cycle: a ray is taken and a ray is given, at most. `frames` are the registers of all frames.
     #[inline]
     pub fn tick(
         &mut self,
-        setup: &FrameSetup,
+        frames: &[FrameSetup],
         samples: &mut Channel<SampleRay<A::Input>>,
         shaded: &mut Channel<ShadedRay<A::Output>>,
-    ) -> bool {
-        let taken = self.take(setup, samples);
-        let given = self.give(setup, shaded);
+    ) -> Activity {
+        let taken = self.take(frames, samples);
+        let given = self.give(frames, shaded);
         let activity = match (taken, given) {
             (Activity::Busy, _) | (_, Activity::Busy) => Activity::Busy,
             (Activity::Blocked, _) | (_, Activity::Blocked) => Activity::Blocked,
@@ -311,63 +344,80 @@ impl<A: Shade> AbcUnit<A> {
     }
 
     #[inline]
-    fn take(&mut self, setup: &FrameSetup, samples: &mut Channel<SampleRay<A::Input>>) -> Activity {
+    fn take(&mut self, frames: &[FrameSetup], samples: &mut Channel<SampleRay<A::Input>>) -> Activity {
         let Some(ray) = samples.front() else {
             return Activity::Starved;
         };
-        if !self.has_buffer(u64::from(ray.plane)) {
+        let frame = ray.frame;
+        if !self.has_buffer(frame, u64::from(ray.plane)) {
             return Activity::Blocked;
         }
-        if self.state.take_spent + 1 < self.spec.ray_cycles {
+        let AbcFrame { spec, arithmetic, .. } = &mut self.frames[frame as usize];
+        if self.state.take_spent + 1 < spec.ray_cycles {
             self.state.take_spent += 1;
             return Activity::Busy;
         }
         if let Some(ray) = samples.pop_slot() {
-            self.arithmetic.take(setup, ray);
+            arithmetic.take(&frames[frame as usize], ray);
         }
         self.state.take_spent = 0;
         self.state.taken += 1;
         Activity::Busy
     }
 
-    /// Whether the ring has a buffer for a plane: the one above the plane being shaded is still needed.
+    /// Whether the ring has a buffer for a plane: the one above the plane being shaded is still needed. The buffers of first planes
+    /// serve two frames, the one being shaded and the next.
     #[inline]
-    fn has_buffer(&self, plane: u64) -> bool {
-        let [current, _] = self.spec.order(self.state.given);
-        let oldest = if self.spec.buffered { current.saturating_sub(1) } else { current };
-        plane < oldest + RING as u64
+    fn has_buffer(&self, frame: u32, plane: u64) -> bool {
+        let Some(AbcFrame { spec, .. }) = self.frames.get(self.state.frame as usize) else {
+            return true;
+        };
+        let oldest = spec.oldest(self.state.given);
+        if frame == self.state.frame {
+            return plane < oldest + RING as u64;
+        }
+        frame == self.state.frame + 1 && spec.planes - oldest + plane < RING as u64
     }
 
     #[inline]
-    fn give(&mut self, setup: &FrameSetup, shaded: &mut Channel<ShadedRay<A::Output>>) -> Activity {
-        let [plane, slot] = self.spec.order(self.state.given);
-        if self.done() || self.state.taken < self.spec.needed(plane, slot) {
+    fn give(&mut self, frames: &[FrameSetup], shaded: &mut Channel<ShadedRay<A::Output>>) -> Activity {
+        let Some(AbcFrame { spec, arithmetic, base }) = self.frames.get_mut(self.state.frame as usize) else {
+            return Activity::Starved;
+        };
+        let [plane, slot] = spec.order(self.state.given);
+        if self.state.taken < *base + spec.needed(plane, slot) {
             return Activity::Starved;
         }
-        if self.state.give_spent + 1 < self.spec.ray_cycles {
+        if self.state.give_spent + 1 < spec.ray_cycles {
             self.state.give_spent += 1;
             return Activity::Busy;
         }
         let Some(output) = shaded.push_slot() else {
             return Activity::Blocked;
         };
+        output.frame = self.state.frame;
         output.plane = plane as u32;
         output.slot = slot as u32;
-        self.arithmetic.give(setup, plane as usize, slot as usize, &mut output.data);
+        let setup = &frames[self.state.frame as usize];
+        arithmetic.give(setup, plane as usize, slot as usize, &mut output.data);
         self.state.give_spent = 0;
         self.state.given += 1;
+        if self.state.given == spec.slots * spec.planes {
+            self.state.given = 0;
+            self.state.frame += 1;
+        }
         Activity::Busy
     }
 
-    /// Whether every ray of the frame has been given.
+    /// Whether every ray of every frame has been given.
     pub fn done(&self) -> bool {
-        self.state.given == self.spec.slots * self.spec.planes
+        self.state.frame as usize == self.frames.len()
     }
 
     /// What stops the unit inside, when nothing moves.
     pub fn inner_wait(&self, samples: &Channel<SampleRay<A::Input>>) -> Option<Wait> {
         let ray = samples.front()?;
-        (!self.has_buffer(u64::from(ray.plane))).then(|| Wait {
+        (!self.has_buffer(ray.frame, u64::from(ray.plane))).then(|| Wait {
             unit: Self::NAME,
             port: "sample planes".into(),
             state: PortState::Full,
@@ -377,9 +427,9 @@ impl<A: Shade> AbcUnit<A> {
         })
     }
 
-    /// The arithmetic, to ask what it counted.
-    pub fn arithmetic(&self) -> &A {
-        &self.arithmetic
+    /// The arithmetic of each frame, to ask what it counted.
+    pub fn arithmetic(&self) -> impl Iterator<Item = &A> {
+        self.frames.iter().map(|frame| &frame.arithmetic)
     }
 
     /// What the unit did with its cycles.

@@ -80,7 +80,7 @@ proptest! {
         }
         let machine = MachineSpec { lanes, ..MachineSpec::default() };
         let spec = AbcSpec::new(&machine, &setup);
-        let mut unit = AbcUnit::new(spec, Shader::new(&setup, lanes, skip));
+        let mut unit = AbcUnit::new([(spec, Shader::new(&setup, lanes, skip))]);
         let mut samples = Channel::<SampleRay<RaySamples>>::new("samples", 2, 1).unwrap();
         let mut shaded = Channel::<ShadedRay<ShadedSamples>>::new("shaded", 2, 1).unwrap();
         let total = spec.slots * spec.planes;
@@ -92,7 +92,7 @@ proptest! {
                 fill(seed, &setup, lanes, plane, slot, &mut ray.data);
                 offered += 1;
             }
-            unit.tick(&setup, &mut samples, &mut shaded);
+            unit.tick(std::slice::from_ref(&setup), &mut samples, &mut shaded);
             if cycle.is_multiple_of(slow) && let Some(ray) = shaded.pop_slot() {
                 overflows += assert_slot(seed, &setup, lanes, ray);
                 given += 1;
@@ -103,6 +103,6 @@ proptest! {
             prop_assert!(cycle < 100_000, "stuck");
         }
         prop_assert!(unit.done());
-        prop_assert_eq!(unit.arithmetic().overflows(), overflows);
+        prop_assert_eq!(unit.arithmetic().map(Shader::overflows).sum::<u64>(), overflows);
     }
 }

@@ -39,7 +39,7 @@ struct Run {
 /// Runs a frame with a ray offered every `every` cycles and taken away where `drained` says so of a cycle; until it
 /// is done, or nothing has moved for long.
 fn run(setup: &FrameSetup, spec: AbcSpec, every: u64, capacity: usize, drained: impl Fn(u64) -> bool) -> Run {
-    let mut unit = AbcUnit::new(spec, NoShading);
+    let mut unit = AbcUnit::new([(spec, NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", capacity, 1).unwrap();
     let total = spec.slots * spec.planes;
@@ -54,7 +54,7 @@ fn run(setup: &FrameSetup, spec: AbcSpec, every: u64, capacity: usize, drained: 
             offered += 1;
         }
         let before = shaded.counters().pushes;
-        let moved = unit.tick(setup, &mut samples, &mut shaded);
+        let moved = unit.tick(std::slice::from_ref(setup), &mut samples, &mut shaded).is_active();
         if shaded.counters().pushes > before {
             result.left.push((now, spec.order(before)));
         }
@@ -213,7 +213,7 @@ fn a_unit_without_rays_is_starved_and_one_without_room_blocked() {
 fn a_full_ring_stops_the_input_and_says_so() {
     let setup = setup();
     let spec = AbcSpec { ray_cycles: 1, slots: 2, planes: 9, closes: [false; 2], buffered: true };
-    let mut unit = AbcUnit::new(spec, NoShading);
+    let mut unit = AbcUnit::new([(spec, NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 1, 1).unwrap();
     let mut offered = 0_u32;
@@ -222,7 +222,7 @@ fn a_full_ring_stops_the_input_and_says_so() {
             (ray.plane, ray.slot) = (offered / 2, offered % 2);
             offered += 1;
         }
-        let moved = unit.tick(&setup, &mut samples, &mut shaded);
+        let moved = unit.tick(std::slice::from_ref(&setup), &mut samples, &mut shaded).is_active();
         samples.commit();
         shaded.commit();
         // Nothing leaves: the ray of plane RING is the first that does not fit.
@@ -237,7 +237,7 @@ fn a_full_ring_stops_the_input_and_says_so() {
         assert!(shaded.counters().pushes < 4);
         shaded.pop();
         shaded.commit();
-        unit.tick(&setup, &mut samples, &mut shaded);
+        unit.tick(std::slice::from_ref(&setup), &mut samples, &mut shaded);
         samples.commit();
         shaded.commit();
     }

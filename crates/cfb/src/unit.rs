@@ -13,6 +13,8 @@ use serde::{Deserialize, Serialize};
 /// A beam on its way: the row of voxels that plane `plane` of ray slots has at depth `depth`.
 #[derive(Clone, Debug, Default)]
 pub struct Beam<D> {
+    /// Frame, from 0.
+    pub frame: u32,
     /// Plane of ray slots, from 0.
     pub plane: u32,
     /// Depth k.
@@ -86,7 +88,7 @@ impl CfbSpec {
 /// The frame buffer unit.
 #[derive(Clone, Debug)]
 pub struct CfbUnit<F> {
-    spec: CfbSpec,
+    specs: Vec<CfbSpec>,
     memory: F,
     state: State,
     account: Account,
@@ -95,44 +97,46 @@ pub struct CfbUnit<F> {
 /// Where the scan is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct State {
+    frame: u32,
     plane: u32,
     depth: u32,
     spent: u64,
     fetched: u64,
-    done: bool,
 }
 
 impl<F: Fetch> CfbUnit<F> {
     /// The unit's name.
     pub const NAME: &'static str = "cfb";
 
-    /// A frame buffer at the start of a frame.
-    pub fn new(spec: CfbSpec, memory: F) -> CfbUnit<F> {
-        CfbUnit { spec, memory, state: State::default(), account: Account::default() }
+    /// A frame buffer at the start of the first of some frames.
+    pub fn new(specs: Vec<CfbSpec>, memory: F) -> CfbUnit<F> {
+        CfbUnit { specs, memory, state: State::default(), account: Account::default() }
     }
 
-    /// One cycle. Returns whether anything moved or a timer ran.
+    /// One cycle. `frames` are the registers of all frames, of which those before `released` may be scanned.
     #[inline]
-    pub fn tick(&mut self, setup: &FrameSetup, beams: &mut Channel<Beam<F::Output>>) -> bool {
-        let activity = self.step(setup, beams);
+    pub fn tick(&mut self, frames: &[FrameSetup], released: u32, beams: &mut Channel<Beam<F::Output>>) -> Activity {
+        let activity = self.step(frames, released, beams);
         self.account.record(activity)
     }
 
     #[inline]
-    fn step(&mut self, setup: &FrameSetup, beams: &mut Channel<Beam<F::Output>>) -> Activity {
-        if self.state.done {
+    fn step(&mut self, frames: &[FrameSetup], released: u32, beams: &mut Channel<Beam<F::Output>>) -> Activity {
+        if self.done() || self.state.frame >= released {
             return Activity::Starved;
         }
+        let (setup, spec) = (&frames[self.state.frame as usize], self.specs[self.state.frame as usize]);
         let row = row(&setup.geometry, self.state.plane, self.state.depth);
-        let needed = if row.is_some() { self.spec.beam_cycles + self.spec.conflict_cycles } else { 1 };
+        let needed = if row.is_some() { spec.beam_cycles + spec.conflict_cycles } else { 1 };
         if self.state.spent + 1 < needed {
             self.state.spent += 1;
-            let working = self.state.spent <= self.spec.beam_cycles;
+            let working = self.state.spent <= spec.beam_cycles;
             return if working { Activity::Busy } else { Activity::Waiting(Reason::BankConflict) };
         }
         let Some(beam) = beams.push_slot() else {
             return Activity::Blocked;
         };
+        beam.frame = self.state.frame;
         beam.plane = self.state.plane;
         beam.depth = self.state.depth;
         beam.row = row;
@@ -141,7 +145,7 @@ impl<F: Fetch> CfbUnit<F> {
             self.memory.fetch(setup, plane, v as usize, depth, &mut beam.data);
             self.state.fetched += 1;
         }
-        let conflict = self.spec.conflict_cycles > 0 && row.is_some();
+        let conflict = spec.conflict_cycles > 0 && row.is_some();
         self.advance(&setup.geometry);
         if conflict { Activity::Waiting(Reason::BankConflict) } else { Activity::Busy }
     }
@@ -152,13 +156,16 @@ impl<F: Fetch> CfbUnit<F> {
         if self.state.depth as usize == geometry.size[2] {
             self.state.depth = 0;
             self.state.plane += 1;
-            self.state.done = self.state.plane as usize == geometry.slot_counts()[1];
+            if self.state.plane as usize == geometry.slot_counts()[1] {
+                self.state.plane = 0;
+                self.state.frame += 1;
+            }
         }
     }
 
-    /// Whether every beam of the frame has been sent.
+    /// Whether every beam of every frame has been sent.
     pub fn done(&self) -> bool {
-        self.state.done
+        self.state.frame as usize == self.specs.len()
     }
 
     /// Beams fetched from the modules.

@@ -10,7 +10,7 @@ use cube3_scene::{Scene, View};
 
 fn machine(lanes: usize, skew: [i64; 3], slots: RaySlots) -> MachineSpec {
     let rays = Rays { slots, ..Rays::default() };
-    MachineSpec { lanes, cfb: Cfb { skew }, rays, ..MachineSpec::default() }
+    MachineSpec { lanes, cfb: Cfb { skew, ..Cfb::default() }, rays, ..MachineSpec::default() }
 }
 
 /// Rays mainly along z, and a little along x where not at all, so that u is x.
@@ -31,13 +31,13 @@ struct Run {
 }
 
 fn run(machine: &MachineSpec, setup: &FrameSetup, capacity: usize, drained: impl Fn(u64) -> bool) -> Run {
-    let mut unit = CfbUnit::new(CfbSpec::new(machine, &setup.geometry), NoVoxels);
+    let mut unit = CfbUnit::new(vec![CfbSpec::new(machine, &setup.geometry)], NoVoxels);
     let mut beams = Channel::<Beam<()>>::new("beams", capacity, 1).unwrap();
     let (mut sent, mut cycle) = (Vec::new(), 0);
     let mut order = Vec::new();
     while !(unit.done() && beams.occupancy() == 0) {
         let before = beams.counters().pushes;
-        unit.tick(setup, &mut beams);
+        unit.tick(std::slice::from_ref(setup), 1, &mut beams);
         if beams.counters().pushes > before {
             sent.push((cycle, false));
         }

@@ -15,17 +15,45 @@ pub enum Activity {
     Waiting(Reason),
 }
 
+impl Activity {
+    /// Whether something moved or a timer ran.
+    #[inline]
+    pub fn is_active(self) -> bool {
+        matches!(self, Activity::Busy | Activity::Waiting(_))
+    }
+}
+
 /// A resource that a unit waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reason {
     /// Several voxels of a beam are in one memory module, which gives one of them a cycle.
     BankConflict,
+    /// A memory module opens or closes a row.
+    MemoryRow,
+    /// Memory modules are refreshed.
+    Refresh,
+    /// The bus has fewer slices in a cycle than a beam has voxels.
+    BusSlice,
+    /// A buffer's or module's port is taken by another access.
+    Port,
+    /// Words on their way between boards.
+    Link,
+    /// The host takes pixels more slowly than they come.
+    Host,
 }
 
 impl Reason {
     /// Every reason with its name in reports.
-    pub const ALL: [(Reason, &'static str); 1] = [(Reason::BankConflict, "bank_conflict")];
+    pub const ALL: [(Reason, &'static str); 7] = [
+        (Reason::BankConflict, "bank_conflict"),
+        (Reason::MemoryRow, "memory_row"),
+        (Reason::Refresh, "refresh"),
+        (Reason::BusSlice, "bus_slice"),
+        (Reason::Port, "port"),
+        (Reason::Link, "link"),
+        (Reason::Host, "host"),
+    ];
 }
 
 /// The cycles of a unit, each in exactly one place.
@@ -42,16 +70,16 @@ pub struct Account {
 }
 
 impl Account {
-    /// Counts a cycle; returns whether something moved in it or a timer ran.
+    /// Counts a cycle, and gives back what it was.
     #[inline]
-    pub fn record(&mut self, activity: Activity) -> bool {
+    pub fn record(&mut self, activity: Activity) -> Activity {
         match activity {
             Activity::Busy => self.busy += 1,
             Activity::Starved => self.starved += 1,
             Activity::Blocked => self.blocked += 1,
             Activity::Waiting(reason) => self.waiting[reason as usize] += 1,
         }
-        matches!(activity, Activity::Busy | Activity::Waiting(_))
+        activity
     }
 
     /// All cycles counted.

@@ -25,6 +25,8 @@ pub struct Pixel {
 /// The pixels of a ray slot.
 #[derive(Clone, Debug, Default)]
 pub struct PixelGroup<D> {
+    /// Frame, from 0.
+    pub frame: u32,
     /// Plane of ray slots.
     pub plane: u32,
     /// Ray slot.
@@ -127,7 +129,8 @@ impl ConeSpec {
 /// The cone unit.
 #[derive(Clone, Debug)]
 pub struct ConeUnit<R> {
-    spec: ConeSpec,
+    /// Data sheet of each frame.
+    specs: Vec<ConeSpec>,
     arithmetic: R,
     state: State,
     account: Account,
@@ -143,43 +146,45 @@ impl<R: Reduce> ConeUnit<R> {
     /// The unit's name.
     pub const NAME: &'static str = "cone";
 
-    /// An empty cone.
-    pub fn new(spec: ConeSpec, arithmetic: R) -> ConeUnit<R> {
-        ConeUnit { spec, arithmetic, state: State::default(), account: Account::default() }
+    /// An empty cone with a data sheet for each frame.
+    pub fn new(specs: Vec<ConeSpec>, arithmetic: R) -> ConeUnit<R> {
+        ConeUnit { specs, arithmetic, state: State::default(), account: Account::default() }
     }
 
-    /// One cycle. Returns whether anything moved or a timer ran.
+    /// One cycle. `frames` are the registers of all frames.
     #[inline]
     pub fn tick(
         &mut self,
-        setup: &FrameSetup,
+        frames: &[FrameSetup],
         shaded: &mut Channel<ShadedRay<R::Input>>,
         pixels: &mut Channel<PixelGroup<R::Output>>,
-    ) -> bool {
-        let activity = self.step(setup, shaded, pixels);
+    ) -> Activity {
+        let activity = self.step(frames, shaded, pixels);
         self.account.record(activity)
     }
 
     #[inline]
     fn step(
         &mut self,
-        setup: &FrameSetup,
+        frames: &[FrameSetup],
         shaded: &mut Channel<ShadedRay<R::Input>>,
         pixels: &mut Channel<PixelGroup<R::Output>>,
     ) -> Activity {
         let Some(ray) = shaded.front() else {
             return Activity::Starved;
         };
-        if self.state.spent + 1 < self.spec.ray_cycles {
+        let frame = ray.frame as usize;
+        if self.state.spent + 1 < self.specs[frame].ray_cycles {
             self.state.spent += 1;
             return Activity::Busy;
         }
         let Some(output) = pixels.push_slot() else {
             return Activity::Blocked;
         };
+        output.frame = ray.frame;
         output.plane = ray.plane;
         output.slot = ray.slot;
-        self.arithmetic.reduce(setup, ray.plane as usize, ray.slot as usize, &ray.data, &mut output.data);
+        self.arithmetic.reduce(&frames[frame], ray.plane as usize, ray.slot as usize, &ray.data, &mut output.data);
         shaded.pop_slot();
         self.state.spent = 0;
         Activity::Busy

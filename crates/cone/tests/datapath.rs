@@ -79,7 +79,7 @@ proptest! {
         let depths = geometry.size[2];
         let (pixels, overflows) = expected(seed, &setup);
 
-        let mut unit = ConeUnit::new(ConeSpec::new(&machine, &setup), Reducer::default());
+        let mut unit = ConeUnit::new(vec![ConeSpec::new(&machine, &setup)], Reducer::default());
         let mut shaded = Channel::<ShadedRay<ShadedSamples>>::new("shaded", 2, 1).unwrap();
         let mut out = Channel::<PixelGroup<Pixels>>::new("pixels", 2, 1).unwrap();
         let [slots, planes] = geometry.slot_counts();
@@ -95,7 +95,7 @@ proptest! {
                 }
                 offered += 1;
             }
-            unit.tick(&setup, &mut shaded, &mut out);
+            unit.tick(std::slice::from_ref(&setup), &mut shaded, &mut out);
             if let Some(group) = out.pop_slot() {
                 let (plane, slot) = (taken / slots, taken % slots);
                 prop_assert_eq!((group.plane as usize, group.slot as usize), (plane, slot));

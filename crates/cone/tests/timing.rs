@@ -16,7 +16,7 @@ fn setup(machine: &MachineSpec, depths: usize) -> FrameSetup {
 fn run(lanes: usize, depths: usize, every: u64, drained: impl Fn(u64) -> bool, cycles: u64) -> (Vec<u64>, Account) {
     let machine = MachineSpec { lanes, ..MachineSpec::default() };
     let setup = setup(&machine, depths);
-    let mut cone = ConeUnit::new(ConeSpec::new(&machine, &setup), NoPixels);
+    let mut cone = ConeUnit::new(vec![ConeSpec::new(&machine, &setup)], NoPixels);
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 2, 1).unwrap();
     let mut pixels = Channel::<PixelGroup<()>>::new("pixels", 1, 1).unwrap();
     let (mut offered, mut left) = (0, Vec::new());
@@ -29,7 +29,7 @@ fn run(lanes: usize, depths: usize, every: u64, drained: impl Fn(u64) -> bool, c
             offered += 1;
         }
         let before = pixels.counters().pushes;
-        cone.tick(&setup, &mut shaded, &mut pixels);
+        cone.tick(std::slice::from_ref(&setup), &mut shaded, &mut pixels);
         if pixels.counters().pushes > before {
             left.push(cycle);
         }

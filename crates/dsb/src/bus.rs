@@ -64,7 +64,8 @@ impl Align for Rotator {
 /// The fast bus.
 #[derive(Clone, Debug)]
 pub struct BusUnit<B> {
-    cycles: u64,
+    /// Cycles of a beam, for each frame.
+    cycles: Vec<u64>,
     wires: B,
     state: State,
     account: Account,
@@ -80,35 +81,36 @@ impl<B: Align> BusUnit<B> {
     /// The unit's name.
     pub const NAME: &'static str = "bus";
 
-    /// A bus on which a beam takes ⌈n_u / lanes⌉ cycles.
-    pub fn new(machine: &MachineSpec, geometry: &Geometry, wires: B) -> BusUnit<B> {
-        let cycles = geometry.size[0].div_ceil(machine.lanes) as u64;
+    /// A bus on which a beam takes ⌈n_u / lanes⌉ cycles, for the frames of these geometries.
+    pub fn new<'a>(machine: &MachineSpec, geometries: impl IntoIterator<Item = &'a Geometry>, wires: B) -> BusUnit<B> {
+        let cycles = geometries.into_iter().map(|geometry| geometry.size[0].div_ceil(machine.lanes) as u64).collect();
         BusUnit { cycles, wires, state: State::default(), account: Account::default() }
     }
 
-    /// One cycle. Returns whether anything moved or a timer ran.
+    /// One cycle.
     #[inline]
     pub fn tick(
         &mut self,
-        setup: &FrameSetup,
+        frames: &[FrameSetup],
         beams: &mut Channel<Beam<B::Input>>,
         aligned: &mut Channel<Beam<B::Output>>,
-    ) -> bool {
-        let activity = self.step(setup, beams, aligned);
+    ) -> Activity {
+        let activity = self.step(frames, beams, aligned);
         self.account.record(activity)
     }
 
     #[inline]
     fn step(
         &mut self,
-        setup: &FrameSetup,
+        frames: &[FrameSetup],
         beams: &mut Channel<Beam<B::Input>>,
         aligned: &mut Channel<Beam<B::Output>>,
     ) -> Activity {
         let Some(beam) = beams.front() else {
             return Activity::Starved;
         };
-        let needed = if beam.row.is_some() { self.cycles } else { 1 };
+        let frame = beam.frame as usize;
+        let needed = if beam.row.is_some() { self.cycles[frame] } else { 1 };
         if self.state.spent + 1 < needed {
             self.state.spent += 1;
             return Activity::Busy;
@@ -116,11 +118,13 @@ impl<B: Align> BusUnit<B> {
         let Some(output) = aligned.push_slot() else {
             return Activity::Blocked;
         };
+        output.frame = beam.frame;
         output.plane = beam.plane;
         output.depth = beam.depth;
         output.row = beam.row;
         if let Some(v) = beam.row {
-            self.wires.align(setup, beam.plane as usize, v as usize, beam.depth as usize, &beam.data, &mut output.data);
+            let [plane, depth] = [beam.plane, beam.depth].map(|i| i as usize);
+            self.wires.align(&frames[frame], plane, v as usize, depth, &beam.data, &mut output.data);
         }
         beams.pop_slot();
         self.state.spent = 0;

@@ -15,6 +15,8 @@ use serde::{Deserialize, Serialize};
 /// A ray slot of two neighbouring planes.
 #[derive(Clone, Debug, Default)]
 pub struct RayPair<D> {
+    /// Frame, from 0.
+    pub frame: u32,
     /// Plane of ray slots; the pair is this and the next.
     pub plane: u32,
     /// Ray slot.
@@ -130,21 +132,31 @@ impl DsbSpec {
 /// The 2-D skewed buffers.
 #[derive(Clone, Debug)]
 pub struct DsbUnit<S> {
-    spec: DsbSpec,
-    memory: S,
+    frames: Vec<DsbFrame<S>>,
     state: State,
     write_account: Account,
     read_account: Account,
 }
 
-/// Where the two ports are.
+/// A frame's data sheet and memory.
+#[derive(Clone, Debug)]
+struct DsbFrame<S> {
+    spec: DsbSpec,
+    memory: S,
+    /// Planes of the frames before.
+    base: u64,
+}
+
+/// Where the two ports are. Planes are counted over all frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct State {
     /// Planes written whole.
-    complete: u32,
+    written: u64,
     /// Cycles spent on the beam at the write port.
     write_spent: u64,
-    /// Plane that is being read.
+    /// Frame that is being read.
+    frame: u32,
+    /// Plane of that frame that is being read.
     plane: u32,
     /// Ray slot that is next.
     slot: u32,
@@ -158,20 +170,29 @@ impl<S: Store> DsbUnit<S> {
     /// The read port's name.
     pub const READ: &'static str = "dsb.read";
 
-    /// Empty buffers.
-    pub fn new(spec: DsbSpec, memory: S) -> DsbUnit<S> {
+    /// Empty buffers: a data sheet and a memory for each frame.
+    pub fn new(parts: impl IntoIterator<Item = (DsbSpec, S)>) -> DsbUnit<S> {
+        let mut base = 0;
+        let frame = |(spec, memory): (DsbSpec, S)| {
+            base += u64::from(spec.frame_planes);
+            DsbFrame { spec, memory, base: base - u64::from(spec.frame_planes) }
+        };
+        let frames = parts.into_iter().map(frame).collect();
         let account = Account::default();
-        DsbUnit { spec, memory, state: State::default(), write_account: account, read_account: account }
+        DsbUnit { frames, state: State::default(), write_account: account, read_account: account }
     }
 
     /// One cycle of both ports: a plane that is read out gives its buffer to the write port at once, and a plane
-    /// that is full can be read from the next cycle on.
+    /// that is full can be read from the next cycle on. What the write and the read port did.
     #[inline]
-    pub fn tick(&mut self, aligned: &mut Channel<Beam<S::Input>>, rays: &mut Channel<RayPair<S::Output>>) -> bool {
+    pub fn tick(
+        &mut self,
+        aligned: &mut Channel<Beam<S::Input>>,
+        rays: &mut Channel<RayPair<S::Output>>,
+    ) -> [Activity; 2] {
         let read = self.read(rays);
-        let moved = self.read_account.record(read);
         let write = self.write(aligned);
-        self.write_account.record(write) | moved
+        [self.write_account.record(write), self.read_account.record(read)]
     }
 
     #[inline]
@@ -179,76 +200,105 @@ impl<S: Store> DsbUnit<S> {
         let Some(beam) = aligned.front() else {
             return Activity::Starved;
         };
-        if !self.has_buffer(beam.plane) {
+        if !self.has_buffer(beam.frame, beam.plane) {
             return Activity::Blocked;
         }
-        let needed = if beam.row.is_some() { self.spec.write_cycles } else { 1 };
+        let DsbFrame { spec, memory, .. } = &mut self.frames[beam.frame as usize];
+        let needed = if beam.row.is_some() { spec.write_cycles } else { 1 };
         if self.state.write_spent + 1 < needed {
             self.state.write_spent += 1;
             return Activity::Busy;
         }
-        self.memory.write(beam);
-        self.state.complete += u32::from(beam.depth + 1 == self.spec.depths);
+        memory.write(beam);
+        self.state.written += u64::from(beam.depth + 1 == spec.depths);
         self.state.write_spent = 0;
         aligned.pop_slot();
         Activity::Busy
     }
 
-    /// Whether the ring has a buffer for a plane: planes from the one being read on are still needed.
-    fn has_buffer(&self, plane: u32) -> bool {
-        ((plane - self.state.plane) as usize) < self.spec.planes
+    /// Whether the ring has a buffer for a plane: planes from the one being read on are still needed. The buffers of first planes
+    /// serve two frames, the one being read and the next.
+    #[inline]
+    fn has_buffer(&self, frame: u32, plane: u32) -> bool {
+        let DsbFrame { spec, base, .. } = &self.frames[frame as usize];
+        let ahead = base + u64::from(plane) - self.released();
+        ahead < spec.planes as u64 && frame <= self.state.frame + 1
+    }
+
+    /// Planes read out, over all frames.
+    #[inline]
+    fn released(&self) -> u64 {
+        let current = self.frames.get(self.state.frame as usize);
+        let base = current.or(self.frames.last()).map_or(0, |frame| frame.base);
+        let read = if current.is_some() {
+            self.state.plane
+        } else {
+            self.frames.last().map_or(0, |frame| frame.spec.frame_planes)
+        };
+        base + u64::from(read)
     }
 
     #[inline]
     fn read(&mut self, rays: &mut Channel<RayPair<S::Output>>) -> Activity {
-        let State { plane, slot, complete, .. } = self.state;
-        let last = plane + 1 == self.spec.frame_planes;
+        let State { frame, plane, slot, written, .. } = self.state;
+        let Some(DsbFrame { spec, memory, base }) = self.frames.get(frame as usize) else {
+            return Activity::Starved;
+        };
+        let last = plane + 1 == spec.frame_planes;
         let needed = if last { plane + 1 } else { plane + 2 };
-        if self.done() || complete < needed {
+        if written < base + u64::from(needed) {
             return Activity::Starved;
         }
-        if self.state.read_spent + 1 < self.spec.read_cycles {
+        if self.state.read_spent + 1 < spec.read_cycles {
             self.state.read_spent += 1;
             return Activity::Busy;
         }
         let Some(pair) = rays.push_slot() else {
             return Activity::Blocked;
         };
-        let below = if last { self.spec.closes.then_some(0) } else { Some(plane as usize + 1) };
+        let below = if last { spec.closes.then_some(0) } else { Some(plane as usize + 1) };
+        pair.frame = frame;
         pair.plane = plane;
         pair.slot = slot;
-        self.memory.read(plane as usize, below, last, slot as usize, &mut pair.data);
+        memory.read(plane as usize, below, last, slot as usize, &mut pair.data);
         self.state.read_spent = 0;
         self.state.slot += 1;
-        if self.state.slot == self.spec.slots {
+        if self.state.slot == spec.slots {
             self.state.slot = 0;
             self.state.plane += 1;
+            if last {
+                self.state.plane = 0;
+                self.state.frame += 1;
+            }
         }
         Activity::Busy
     }
 
-    /// Whether every ray of the frame has been read.
+    /// Whether every ray of every frame has been read.
     pub fn done(&self) -> bool {
-        self.state.plane == self.spec.frame_planes
+        self.state.frame as usize == self.frames.len()
     }
 
     /// What stops the two ports inside of the unit, when nothing moves: the write port without a buffer, the read port
     /// without a plane.
     pub fn inner_waits(&self, aligned: &Channel<Beam<S::Input>>) -> Vec<Wait> {
         let mut waits = Vec::new();
-        let held = (self.state.complete - self.state.plane.min(self.state.complete)) as usize;
+        let held = self.state.written.saturating_sub(self.released()) as usize;
+        let Some(DsbFrame { spec, base, .. }) = self.frames.get(self.state.frame as usize) else {
+            return waits;
+        };
         let wait = |unit, port: &str, state, upon| Wait {
             unit,
             port: port.into(),
             state,
             occupancy: held,
-            capacity: self.spec.planes,
+            capacity: spec.planes,
             upon,
         };
-        if aligned.front().is_some_and(|beam| !self.has_buffer(beam.plane)) {
+        if aligned.front().is_some_and(|beam| !self.has_buffer(beam.frame, beam.plane)) {
             waits.push(wait(Self::WRITE, "plane buffers", PortState::Full, Self::READ));
         }
-        if !self.done() && self.state.complete < (self.state.plane + 2).min(self.spec.frame_planes) {
+        if self.state.written < base + u64::from((self.state.plane + 2).min(spec.frame_planes)) {
             waits.push(wait(Self::READ, "the plane below", PortState::Empty, Self::WRITE));
         }
         waits

@@ -42,7 +42,7 @@ proptest! {
             template: if plane_floor { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
             offset: 0.5,
         };
-        let machine = MachineSpec { lanes, rays, cfb: Cfb { skew }, dsb: Dsb { planes }, ..MachineSpec::default() };
+        let machine = MachineSpec { lanes, rays, cfb: Cfb { skew, ..Cfb::default() }, dsb: Dsb { planes, ..Dsb::default() }, ..MachineSpec::default() };
         let scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
         let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };
         let setup = frame_setup(&scene, &machine, &volume, true).unwrap().setup;
@@ -50,9 +50,9 @@ proptest! {
         let voxels: Vec<u16> = (1..=dims.iter().product::<usize>() as u16).collect();
         let memory = FrameBuffer::new(Skew { coefficients: skew, lanes }, dims, &voxels).unwrap();
 
-        let mut cfb = CfbUnit::new(CfbSpec::new(&machine, geometry), memory);
-        let mut bus = BusUnit::new(&machine, geometry, Rotator { lanes });
-        let mut dsb = DsbUnit::new(DsbSpec::new(&machine, geometry), PlaneStore::new(geometry, lanes, planes));
+        let mut cfb = CfbUnit::new(vec![CfbSpec::new(&machine, geometry)], memory);
+        let mut bus = BusUnit::new(&machine, [geometry], Rotator { lanes });
+        let mut dsb = DsbUnit::new([(DsbSpec::new(&machine, geometry), PlaneStore::new(geometry, lanes, planes))]);
         let mut beams = Channel::<Beam<VoxelBeam>>::new("beams", 3, 2).unwrap();
         let mut aligned = Channel::<Beam<VoxelBeam>>::new("aligned", 2, 1).unwrap();
         let mut out = Channel::<RayPair<RayVoxels>>::new("rays", 2, 1).unwrap();
@@ -60,8 +60,8 @@ proptest! {
         let (mut taken, mut cycle) = (0, 0_u64);
         while taken < slots * frame_planes {
             dsb.tick(&mut aligned, &mut out);
-            bus.tick(&setup, &mut beams, &mut aligned);
-            cfb.tick(&setup, &mut beams);
+            bus.tick(std::slice::from_ref(&setup), &mut beams, &mut aligned);
+            cfb.tick(std::slice::from_ref(&setup), 1, &mut beams);
             if cycle.is_multiple_of(slow) && let Some(pair) = out.pop_slot() {
                 let (plane, slot) = (taken / slots, taken % slots);
                 prop_assert_eq!((pair.plane as usize, pair.slot as usize), (plane, slot));

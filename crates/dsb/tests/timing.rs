@@ -5,7 +5,7 @@
 //! the next cycle on, and gives its buffer back in the cycle in which its last ray leaves.
 
 use cube3_cfb::Beam;
-use cube3_channel::{Account, Channel, PortState, diagnose};
+use cube3_channel::{Account, Activity, Channel, PortState, diagnose};
 use cube3_dsb::bus::{BusUnit, NoBus};
 use cube3_dsb::{DsbSpec, DsbUnit, NoPlanes, RayPair};
 use cube3_host::{FrameSetup, MachineSpec, VolumeInfo, frame_setup};
@@ -39,7 +39,7 @@ impl Bench {
     fn new(spec: DsbSpec, capacity: usize) -> Bench {
         Bench {
             spec,
-            unit: DsbUnit::new(spec, NoPlanes),
+            unit: DsbUnit::new([(spec, NoPlanes)]),
             aligned: Channel::new("aligned", 2, 1).unwrap(),
             rays: Channel::new("rays", capacity, 1).unwrap(),
             offered: 0,
@@ -58,7 +58,7 @@ impl Bench {
             self.offered += 1;
         }
         let before = self.rays.counters().pushes;
-        let moved = self.unit.tick(&mut self.aligned, &mut self.rays);
+        let moved = self.unit.tick(&mut self.aligned, &mut self.rays).into_iter().any(Activity::is_active);
         if self.rays.counters().pushes > before {
             self.left.push(self.cycle);
         }
@@ -192,7 +192,7 @@ fn the_bus_takes_a_beam_as_long_as_its_lanes_need() {
     for (n, lanes, cycles) in [(8, 8, 1), (9, 8, 2), (7, 2, 4), (1, 3, 1)] {
         let machine = MachineSpec { lanes, ..MachineSpec::default() };
         let setup = setup(&machine, [n, 1, 1]);
-        let mut bus = BusUnit::new(&machine, &setup.geometry, NoBus);
+        let mut bus = BusUnit::new(&machine, [&setup.geometry], NoBus);
         let mut beams = Channel::<Beam<()>>::new("beams", 2, 1).unwrap();
         let mut aligned = Channel::<Beam<()>>::new("aligned", 2, 1).unwrap();
         let (mut offered, mut left) = (0, Vec::new());
@@ -205,7 +205,7 @@ fn the_bus_takes_a_beam_as_long_as_its_lanes_need() {
                 offered += 1;
             }
             let before = aligned.counters().pushes;
-            bus.tick(&setup, &mut beams, &mut aligned);
+            bus.tick(std::slice::from_ref(&setup), &mut beams, &mut aligned);
             if aligned.counters().pushes > before {
                 left.push(cycle);
             }
@@ -227,14 +227,14 @@ fn the_bus_takes_a_beam_as_long_as_its_lanes_need() {
 fn the_bus_is_blocked_while_nobody_takes_its_beam() {
     let machine = MachineSpec { lanes: 8, ..MachineSpec::default() };
     let setup = setup(&machine, [8, 1, 1]);
-    let mut bus = BusUnit::new(&machine, &setup.geometry, NoBus);
+    let mut bus = BusUnit::new(&machine, [&setup.geometry], NoBus);
     let mut beams = Channel::<Beam<()>>::new("beams", 2, 1).unwrap();
     let mut aligned = Channel::<Beam<()>>::new("aligned", 1, 1).unwrap();
     for cycle in 0..20 {
         if let Some(beam) = beams.push_slot() {
             beam.row = Some(0);
         }
-        assert_eq!(bus.tick(&setup, &mut beams, &mut aligned), cycle == 1);
+        assert_eq!(bus.tick(std::slice::from_ref(&setup), &mut beams, &mut aligned).is_active(), cycle == 1);
         beams.commit();
         aligned.commit();
     }

@@ -23,7 +23,8 @@ pub use fan::{Fan, FanShape};
 pub use geometry::{DiscreteRay, Geometry, RaySlots};
 pub use image_plane::{ImagePlane, eye};
 pub use machine::{
-    Abc, Cfb, ChannelSize, Channels, Dsb, GradientMethod, MachineError, MachineSpec, Rays, Reuse, ShadingUnit, Trilin,
+    Abc, Acquisition, AcquisitionMode, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, Frames,
+    GradientMethod, HostLink, Layout, MachineError, MachineSpec, MemoryType, Rays, Reuse, ShadingUnit, Trilin,
 };
 pub use perspective::{PLACE_BITS, PassShape, Perspective};
 pub use picture::{Coverage, Frames, picture_setup};

@@ -22,14 +22,129 @@ pub struct MachineSpec {
     pub rays: Rays,
     /// Cubic frame buffer.
     pub cfb: Cfb,
+    /// Port through which new voxels are written.
+    pub acquisition: Acquisition,
+    /// Fast bus.
+    pub bus: Bus,
+    /// Boards and the links between them.
+    pub boards: Boards,
     /// 2-D skewed buffers.
     pub dsb: Dsb,
     /// Sheared trilinear interpolation.
     pub trilin: Trilin,
     /// Gradient and shading.
     pub abc: Abc,
+    /// Ray projection cone.
+    pub cone: Cone,
+    /// Link to the host.
+    pub host_link: HostLink,
     /// Channels between the units.
     pub channel: Channels,
+    /// How frames follow each other.
+    pub frames: Frames,
+}
+
+/// Port through which new voxels are written into the frame buffer while it is read.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Acquisition {
+    /// How written and read voxels share the modules.
+    pub mode: AcquisitionMode,
+    /// Voxel words that come in for each pipeline cycle, above 0.
+    pub words_per_cycle: f64,
+}
+
+/// How written and read voxels share the memory modules.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AcquisitionMode {
+    /// A second port of every module: writing costs reading nothing, and a frame may show a volume that changes.
+    #[default]
+    DualPort,
+    /// Writes take module cycles from reads; a frame may show a volume that changes.
+    CycleStealing,
+    /// Two frame buffers that change roles between frames: twice the memory, no frame shows two volumes.
+    DoubleBuffer,
+}
+
+/// The fast bus: in a slice each channel carries one voxel word.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Bus {
+    /// What the bus can do with a beam.
+    pub kind: BusKind,
+    /// Channels, each a voxel word wide: 1 to 4096. One for each lane where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channels: Option<usize>,
+    /// Slice clock in hertz; the pipeline's where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clock_hz: Option<f64>,
+}
+
+/// What a bus can do with a beam.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BusKind {
+    /// Any voxel to any lane: what perspective needs.
+    #[default]
+    Gather,
+    /// A rotation of the whole beam: parallel projection only.
+    Rotate,
+}
+
+/// Boards of lanes in a ring, and the links between neighbours.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Boards {
+    /// Boards, each with ⌈lanes/count⌉ lanes: 1 to the lanes.
+    pub count: usize,
+    /// Words that a link carries in each direction in a pipeline cycle, above 0; any number where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub link_words_per_cycle: Option<f64>,
+    /// Pipeline cycles from a board to its neighbour.
+    pub link_latency_cycles: u64,
+}
+
+/// The ray projection cone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Cone {
+    /// How the nodes are joined.
+    pub kind: ConeKind,
+}
+
+/// How the nodes that make a pixel are joined.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ConeKind {
+    /// A binary tree with cross-links, which starts at any leaf: the paper's.
+    #[default]
+    FoldedTree,
+    /// A binary tree behind a shifter that turns the ray to leaf 0.
+    ShiftedTree,
+    /// A node for each lane, one behind another: front to back, pipelined.
+    Chain,
+    /// One node that takes a sample a cycle: front to back.
+    Accumulator,
+}
+
+/// The link to the host.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct HostLink {
+    /// Bytes in a pipeline cycle, above 0; any number where it is not given. A pixel has four components of
+    /// ⌈accumulator_bits / 8⌉ bytes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bytes_per_cycle: Option<f64>,
+}
+
+/// How frames follow each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Frames {
+    /// The next frame enters behind this one's last beam. Registers, and the buffers of first planes, are then there twice. Without
+    /// it, the next frame enters when the last pixel has left.
+    pub overlap: bool,
 }
 
 /// How rays are made and placed.
@@ -45,11 +160,46 @@ pub struct Rays {
 }
 
 /// The cubic frame buffer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Cfb {
     /// Skew (a, b, c): voxel (x, y, z) is in module (a·x + b·y + c·z) mod lanes.
     pub skew: [i64; 3],
+    /// Row of the table of memory modules.
+    pub memory: MemoryType,
+    /// Clock of the modules in hertz; that of the table where it is not given, and the pipeline's where that has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub memory_clock_hz: Option<f64>,
+    /// Where a voxel lies in its module.
+    pub layout: Layout,
+}
+
+/// Rows of the table of memory modules; the numbers are in `cube3_cfb`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MemoryType {
+    /// A word in every pipeline cycle, whatever its address.
+    #[default]
+    Ideal,
+    /// Dual-ported video memory with a cycle of 125 ns.
+    Vram,
+    /// Fast-page DRAM.
+    FastPage,
+    /// SDRAM with banks, bursts, row misses and refresh.
+    Sdram,
+    /// A pseudo-channel of stacked memory.
+    Hbm,
+}
+
+/// Where a voxel lies in its memory module.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Layout {
+    /// Rows of voxels behind one another, along x, then y, then z.
+    #[default]
+    Rows,
+    /// Cubes of 8 × 8 × 8 voxels behind one another, each within one row of the memory where that is long enough.
+    Blocks,
 }
 
 /// The 2-D skewed buffers.
@@ -59,6 +209,8 @@ pub struct Dsb {
     /// Buffers in the ring, each a plane of voxels: above, current, and the one being filled. One more
     /// holds the first plane where slots are shared along v.
     pub planes: usize,
+    /// Ports of a buffer's modules: 2 write and read in the same cycle, 1 takes turns.
+    pub ports: usize,
 }
 
 /// The interpolation units.
@@ -113,6 +265,8 @@ pub struct Abc {
     pub root_bits: u32,
     /// Bits of each of the two coordinates on a face of the reflectance table: 2 to 8.
     pub reflectance_bits: u32,
+    /// Planes of samples in the ring: above, current, below, and those that come in.
+    pub planes: usize,
 }
 
 /// Gradient estimators, by the samples that they read. Sections 4 of the paper and 3 of the design.
@@ -206,6 +360,12 @@ impl ChannelSize {
     }
 }
 
+impl Default for Frames {
+    fn default() -> Self {
+        Frames { overlap: true }
+    }
+}
+
 impl Default for Rays {
     fn default() -> Self {
         Rays { slots: RaySlots::Wrapped, template: TemplateRule::SampleFloor, offset: 0.5 }
@@ -214,13 +374,13 @@ impl Default for Rays {
 
 impl Default for Cfb {
     fn default() -> Self {
-        Cfb { skew: [1, 1, 1] }
+        Cfb { skew: [1, 1, 1], memory: MemoryType::Ideal, memory_clock_hz: None, layout: Layout::Rows }
     }
 }
 
 impl Default for Dsb {
     fn default() -> Self {
-        Dsb { planes: 3 }
+        Dsb { planes: 3, ports: 2 }
     }
 }
 
@@ -238,7 +398,21 @@ impl Default for Abc {
             power_bits: 10,
             root_bits: 8,
             reflectance_bits: 6,
+            planes: 4,
         }
+    }
+}
+
+impl Default for Acquisition {
+    /// A volume of 512³ in a thirtieth of a second at 8 MHz.
+    fn default() -> Self {
+        Acquisition { mode: AcquisitionMode::DualPort, words_per_cycle: 512.0 }
+    }
+}
+
+impl Default for Boards {
+    fn default() -> Self {
+        Boards { count: 1, link_words_per_cycle: None, link_latency_cycles: 1 }
     }
 }
 
@@ -268,10 +442,16 @@ impl Default for MachineSpec {
             words: Words::default(),
             rays: Rays::default(),
             cfb: Cfb::default(),
+            acquisition: Acquisition::default(),
+            bus: Bus::default(),
+            boards: Boards::default(),
             dsb: Dsb::default(),
             trilin: Trilin::default(),
             abc: Abc::default(),
+            cone: Cone::default(),
+            host_link: HostLink::default(),
             channel: Channels::default(),
+            frames: Frames::default(),
         }
     }
 }
@@ -379,6 +559,7 @@ impl MachineSpec {
         )?;
         let reflectance = self.abc.reflectance_bits;
         check((2..=8).contains(&reflectance), "abc.reflectance_bits", reflectance.to_string(), "outside 2 to 8")?;
+        self.check_resources(place)?;
         for (key, size) in self.channel.named() {
             check(
                 (1..=65536).contains(&size.capacity),
@@ -394,6 +575,38 @@ impl MachineSpec {
             )?;
         }
         Ok(())
+    }
+}
+
+impl MachineSpec {
+    /// Ranges of memory, bus, boards, buffers and links.
+    fn check_resources(&self, place: &str) -> Result<(), MachineError> {
+        let check = |good: bool, key, value: String, reason| {
+            if good { Ok(()) } else { Err(MachineError::Value { place: place.to_owned(), key, value, reason }) }
+        };
+        let count = |key, value: Option<usize>, most: usize, reason| {
+            let good = value.is_none_or(|value| (1..=most).contains(&value));
+            check(good, key, value.unwrap_or_default().to_string(), reason)
+        };
+        let clock = |key, value: Option<f64>| {
+            let good = value.is_none_or(|value| (1.0..=1e15).contains(&value));
+            check(good, key, value.unwrap_or_default().to_string(), "outside 1 to 10^15 hertz")
+        };
+        let rate = |key, value: Option<f64>| {
+            let good = value.is_none_or(|value| (1e-6..=1e9).contains(&value));
+            check(good, key, value.unwrap_or_default().to_string(), "outside 10^-6 to 10^9 in a cycle")
+        };
+        clock("cfb.memory_clock_hz", self.cfb.memory_clock_hz)?;
+        rate("acquisition.words_per_cycle", Some(self.acquisition.words_per_cycle))?;
+        count("bus.channels", self.bus.channels, 4096, "outside 1 to 4096")?;
+        clock("bus.clock_hz", self.bus.clock_hz)?;
+        count("boards.count", Some(self.boards.count), self.lanes, "outside 1 to the lanes")?;
+        rate("boards.link_words_per_cycle", self.boards.link_words_per_cycle)?;
+        let latency = self.boards.link_latency_cycles;
+        check((1..=65536).contains(&latency), "boards.link_latency_cycles", latency.to_string(), "outside 1 to 65536")?;
+        count("dsb.ports", Some(self.dsb.ports), 2, "outside 1 to 2")?;
+        check((1..=64).contains(&self.abc.planes), "abc.planes", self.abc.planes.to_string(), "outside 1 to 64")?;
+        rate("host_link.bytes_per_cycle", self.host_link.bytes_per_cycle)
     }
 }
 

@@ -17,6 +17,8 @@ use serde::{Deserialize, Serialize};
 /// A slot of continuous rays.
 #[derive(Clone, Debug, Default)]
 pub struct SampleRay<D> {
+    /// Frame, from 0.
+    pub frame: u32,
     /// Plane of ray slots.
     pub plane: u32,
     /// Ray slot.
@@ -285,8 +287,8 @@ impl TrilinSpec {
 /// The interpolation unit.
 #[derive(Clone, Debug)]
 pub struct TrilinUnit<I> {
-    spec: TrilinSpec,
-    arithmetic: I,
+    /// Data sheet and arithmetic of each frame.
+    frames: Vec<(TrilinSpec, I)>,
     state: State,
     account: Account,
 }
@@ -296,8 +298,8 @@ pub struct TrilinUnit<I> {
 struct State {
     /// Cycles spent on the pair at the input.
     spent: u64,
-    /// A plane whose last ray has been taken and not given.
-    closing: Option<u32>,
+    /// Frame and plane whose last ray has been taken and not given.
+    closing: Option<[u32; 2]>,
     given: u64,
 }
 
@@ -305,82 +307,86 @@ impl<I: Interpolate> TrilinUnit<I> {
     /// The unit's name.
     pub const NAME: &'static str = "trilin";
 
-    /// Interpolators at the start of a frame.
-    pub fn new(spec: TrilinSpec, arithmetic: I) -> TrilinUnit<I> {
-        TrilinUnit { spec, arithmetic, state: State::default(), account: Account::default() }
+    /// Interpolators at the start of the first frame: a data sheet and the arithmetic for each.
+    pub fn new(parts: impl IntoIterator<Item = (TrilinSpec, I)>) -> TrilinUnit<I> {
+        TrilinUnit { frames: parts.into_iter().collect(), state: State::default(), account: Account::default() }
     }
 
-    /// One cycle. Returns whether anything moved or a timer ran.
+    /// One cycle. `frames` are the registers of all frames.
     #[inline]
     pub fn tick(
         &mut self,
-        setup: &FrameSetup,
+        frames: &[FrameSetup],
         rays: &mut Channel<RayPair<I::Input>>,
         samples: &mut Channel<SampleRay<I::Output>>,
-    ) -> bool {
-        let activity = self.step(setup, rays, samples);
+    ) -> Activity {
+        let activity = self.step(frames, rays, samples);
         self.account.record(activity)
     }
 
     #[inline]
     fn step(
         &mut self,
-        setup: &FrameSetup,
+        frames: &[FrameSetup],
         rays: &mut Channel<RayPair<I::Input>>,
         samples: &mut Channel<SampleRay<I::Output>>,
     ) -> Activity {
         let mut activity = Activity::Starved;
-        if let Some(plane) = self.state.closing {
+        if let Some([frame, plane]) = self.state.closing {
             let Some(output) = samples.push_slot() else {
                 return Activity::Blocked;
             };
             self.state.closing = None;
-            Self::give(&mut self.arithmetic, setup, plane, self.spec.slots - 1, output);
-            self.state.given += 1;
+            self.give(frames, [frame, plane, self.frames[frame as usize].0.slots - 1], output);
             activity = Activity::Busy;
         }
         let Some(pair) = rays.front() else {
             return activity;
         };
-        if self.state.spent + 1 < self.spec.ray_cycles {
+        let (frame, plane, slot) = (pair.frame, pair.plane, pair.slot);
+        let (spec, arithmetic) = &mut self.frames[frame as usize];
+        if self.state.spent + 1 < spec.ray_cycles {
             self.state.spent += 1;
             return Activity::Busy;
         }
-        let (plane, slot) = (pair.plane, pair.slot);
         if slot > 0 && !samples.can_push() {
             return Activity::Blocked;
         }
+        let last = slot + 1 == spec.slots;
         if let Some(pair) = rays.pop_slot() {
-            self.arithmetic.take(setup, pair);
+            arithmetic.take(&frames[frame as usize], pair);
         }
         self.state.spent = 0;
         if slot > 0
             && let Some(output) = samples.push_slot()
         {
-            Self::give(&mut self.arithmetic, setup, plane, slot - 1, output);
-            self.state.given += 1;
+            self.give(frames, [frame, plane, slot - 1], output);
         }
-        if slot + 1 == self.spec.slots {
-            self.state.closing = Some(plane);
+        if last {
+            self.state.closing = Some([frame, plane]);
         }
         Activity::Busy
     }
 
     #[inline]
-    fn give(arithmetic: &mut I, setup: &FrameSetup, plane: u32, slot: u32, output: &mut SampleRay<I::Output>) {
+    fn give(&mut self, frames: &[FrameSetup], [frame, plane, slot]: [u32; 3], output: &mut SampleRay<I::Output>) {
+        output.frame = frame;
         output.plane = plane;
         output.slot = slot;
-        arithmetic.give(setup, plane as usize, slot as usize, &mut output.data);
+        let (_, arithmetic) = &mut self.frames[frame as usize];
+        arithmetic.give(&frames[frame as usize], plane as usize, slot as usize, &mut output.data);
+        self.state.given += 1;
     }
 
-    /// Whether every ray of the frame has been given.
+    /// Whether every ray of every frame has been given.
     pub fn done(&self) -> bool {
-        self.state.given == u64::from(self.spec.slots) * u64::from(self.spec.planes)
+        let rays = |(spec, _): &(TrilinSpec, I)| u64::from(spec.slots) * u64::from(spec.planes);
+        self.state.given == self.frames.iter().map(rays).sum::<u64>()
     }
 
-    /// The arithmetic, to ask what it counted.
-    pub fn arithmetic(&self) -> &I {
-        &self.arithmetic
+    /// The arithmetic of each frame, to ask what it counted.
+    pub fn arithmetic(&self) -> impl Iterator<Item = &I> {
+        self.frames.iter().map(|(_, arithmetic)| arithmetic)
     }
 
     /// What the unit did with its cycles.

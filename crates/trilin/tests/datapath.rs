@@ -95,7 +95,7 @@ fn run(
     mut each: impl FnMut(&SampleRay<RaySamples>),
 ) -> u64 {
     let machine = MachineSpec { lanes, ..MachineSpec::default() };
-    let mut unit = TrilinUnit::new(TrilinSpec::new(&machine, &setup.geometry), Interpolator::new(setup, lanes));
+    let mut unit = TrilinUnit::new([(TrilinSpec::new(&machine, &setup.geometry), Interpolator::new(setup, lanes))]);
     let mut rays = Channel::<RayPair<RayVoxels>>::new("rays", 2, 1).unwrap();
     let mut samples = Channel::<SampleRay<RaySamples>>::new("samples", 2, 1).unwrap();
     let [slots, planes] = setup.geometry.slot_counts();
@@ -110,7 +110,7 @@ fn run(
             pair.data.below = ray(setup, lanes, plane + 1, slot, voxel);
             offered += 1;
         }
-        unit.tick(setup, &mut rays, &mut samples);
+        unit.tick(std::slice::from_ref(setup), &mut rays, &mut samples);
         if let Some(ray) = samples.pop_slot() {
             assert_eq!((ray.plane as usize, ray.slot as usize), (given / slots, given % slots));
             each(ray);
@@ -122,7 +122,7 @@ fn run(
         assert!(cycle < 100_000, "stuck");
     }
     assert!(unit.done());
-    unit.arithmetic().ray_lerps()
+    unit.arithmetic().map(Interpolator::ray_lerps).sum()
 }
 
 proptest! {

@@ -17,7 +17,7 @@ fn setup() -> FrameSetup {
 /// A frame with a pair offered every `every` cycles: when rays left, and the account.
 fn run(spec: TrilinSpec, every: u64, capacity: usize, drained: impl Fn(u64) -> bool) -> (Vec<u64>, Account) {
     let setup = setup();
-    let mut unit = TrilinUnit::new(spec, NoSamples);
+    let mut unit = TrilinUnit::new([(spec, NoSamples)]);
     let mut rays = Channel::<RayPair<()>>::new("rays", 2, 1).unwrap();
     let mut samples = Channel::<SampleRay<()>>::new("samples", capacity, 1).unwrap();
     let total = u64::from(spec.slots) * u64::from(spec.planes);
@@ -32,7 +32,7 @@ fn run(spec: TrilinSpec, every: u64, capacity: usize, drained: impl Fn(u64) -> b
             offered += 1;
         }
         let before = samples.counters().pushes;
-        unit.tick(&setup, &mut rays, &mut samples);
+        unit.tick(std::slice::from_ref(&setup), &mut rays, &mut samples);
         if samples.counters().pushes > before {
             left.push(cycle);
         }

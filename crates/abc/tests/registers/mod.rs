@@ -222,6 +222,7 @@ pub fn machine(dice: &mut Dice, words: Words) -> MachineSpec {
             power_bits: dice.word(1, 11.min(words.normal_bits - 1)),
             root_bits: dice.word(4, 10.min(2 * words.normal_bits - 2)),
             reflectance_bits: dice.word(2, 4),
+            planes: 4,
         },
         ..MachineSpec::default()
     };
