@@ -9,7 +9,8 @@ use crate::problem::{Outcome, Problem};
 use crate::progress::Progress;
 use cube3_channel::Reason;
 use cube3_host::{
-    BasePlane, FrameSetup, Frames, Geometry, MachineSpec, RaySlots, TemplateRule, canonical, picture_setup, warp_passes,
+    BasePlane, FrameSetup, Geometry, MachineSpec, PictureFrames, RaySlots, TemplateRule, canonical, picture_setup,
+    warp_passes,
 };
 use cube3_metrics::{Picture, compare, difference, footprint, suggested_factor};
 use cube3_raycast::{DiscreteOptions, ImageOrderOptions, image_order, sheared, true_3d};
@@ -213,7 +214,7 @@ pub fn run_frame(
 }
 
 /// The references that take the machine's own sample positions know parallel ones only.
-fn check_reference(reference: Reference, frames: &Frames) -> Outcome<()> {
+fn check_reference(reference: Reference, frames: &PictureFrames) -> Outcome<()> {
     match reference {
         Reference::True | Reference::Sheared if frames.eye_voxel.is_some() => Err(Problem::new(format!(
             "the reference \"{}\" is for parallel views; in perspective give \"image-order\" or \"none\"",
@@ -224,7 +225,7 @@ fn check_reference(reference: Reference, frames: &Frames) -> Outcome<()> {
 }
 
 fn run_machine(
-    frames: &Frames,
+    frames: &PictureFrames,
     machine: &MachineSpec,
     volume: &LoadedVolume,
     options: &RunOptions,
@@ -269,7 +270,7 @@ impl MachineRun {
     }
 }
 
-fn timing(frames: &Frames, machine: &MachineSpec) -> Outcome<(Option<RunCounters>, f64)> {
+fn timing(frames: &PictureFrames, machine: &MachineSpec) -> Outcome<(Option<RunCounters>, f64)> {
     let progress = Progress::new("timing");
     if frames.setups.is_empty() {
         return Ok((None, progress.finish()));
@@ -279,7 +280,7 @@ fn timing(frames: &Frames, machine: &MachineSpec) -> Outcome<(Option<RunCounters
     Ok((Some(machine.counters()), progress.finish()))
 }
 
-fn function(frames: &Frames, volume: &LoadedVolume, skip: bool) -> (Vec<FunctionRun>, f64) {
+fn function(frames: &PictureFrames, volume: &LoadedVolume, skip: bool) -> (Vec<FunctionRun>, f64) {
     let progress = Progress::new("function");
     let pass = |setup: &FrameSetup| {
         let turned = CanonicalVolume::new(&setup.geometry.axes, volume.words.dims, &volume.words.words);
@@ -340,7 +341,7 @@ fn reference_picture(
     scene: &Scene,
     machine: &MachineSpec,
     volume: &LoadedVolume,
-    frames: &Frames,
+    frames: &PictureFrames,
     progress: &Progress,
 ) -> Outcome<Picture> {
     let border = volume.words.window[0];
@@ -372,7 +373,7 @@ fn reference_picture(
 fn measure(
     reference: Reference,
     scene: &Scene,
-    frames: &Frames,
+    frames: &PictureFrames,
     volume: &LoadedVolume,
     picture: Picture,
     pictures: &mut Pictures,
@@ -390,7 +391,7 @@ fn measure(
     Ok(error)
 }
 
-fn view_report(scene: &Scene, volume: &LoadedVolume, frames: &Frames) -> ViewReport {
+fn view_report(scene: &Scene, volume: &LoadedVolume, frames: &PictureFrames) -> ViewReport {
     let central = canonical(frames.view.direction, volume.words.spacing);
     let geometry = frames.setups.first().map(|setup| &setup.geometry);
     let axes = geometry.map_or(central.axes, |geometry| geometry.axes);
@@ -444,7 +445,7 @@ fn pass_report(setup: &FrameSetup) -> Option<PassReport> {
     })
 }
 
-fn left_out(frames: &Frames) -> Vec<LeftOut> {
+fn left_out(frames: &PictureFrames) -> Vec<LeftOut> {
     let entry = |left: &cube3_host::LeftOut| LeftOut {
         what: left.what.clone(),
         why: left.why.clone(),

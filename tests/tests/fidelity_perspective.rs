@@ -5,13 +5,13 @@ use cube3::function::{CanonicalVolume, FunctionRun, render};
 use cube3::machine::{Machine, Overflows};
 use cube3_abc::golden::{Neighbourhood, shade};
 use cube3_cone::golden::{Node, leaf, pixel, reduce};
-use cube3_host::{BasePlane, DiscreteRay, FrameSetup, Frames, MachineSpec, picture_setup};
+use cube3_host::{BasePlane, DiscreteRay, FrameSetup, MachineSpec, PictureFrames, picture_setup};
 use cube3_scene::{Perspective, Scene};
 use cube3_tests::{SmallVolume, for_perspective, from_eye, machines, perspectives, scenes, volumes};
 use cube3_trilin::golden::{Weights, cell, lift};
 use proptest::prelude::*;
 
-fn frames(scene: &Scene, machine: &MachineSpec, volume: &SmallVolume, plan: bool) -> Frames {
+fn frames(scene: &Scene, machine: &MachineSpec, volume: &SmallVolume, plan: bool) -> PictureFrames {
     picture_setup(scene, machine, &volume.info(), plan).unwrap()
 }
 

@@ -4,8 +4,8 @@ use cube3::function::{CanonicalVolume, render};
 use cube3::inputs;
 use cube3::run::{Reference, RunOptions, Runs, run_frame};
 use cube3_host::{
-    BasePlane, Frames, Geometry, GradientMethod, MachineSpec, RaySlots, Rays, VolumeInfo, frame_setup, picture_setup,
-    warp_passes,
+    BasePlane, Geometry, GradientMethod, MachineSpec, PictureFrames, RaySlots, Rays, VolumeInfo, frame_setup,
+    picture_setup, warp_passes,
 };
 use cube3_raycast::{ImageOrderOptions, image_order};
 use cube3_scene::{Image, Perspective, Scene, View, VolumeSource};
@@ -13,14 +13,14 @@ use cube3_tests::{SmallVolume, for_perspective, machines, scenes, volumes};
 use cube3_volume::{Phantom, PhantomParams, ReadOptions, WordConversion};
 use proptest::prelude::*;
 
-fn bases(frames: &Frames, dims: [usize; 3], words: &[u16]) -> Vec<BasePlane> {
+fn bases(frames: &PictureFrames, dims: [usize; 3], words: &[u16]) -> Vec<BasePlane> {
     let base = |setup: &cube3_host::FrameSetup| {
         render(setup, &CanonicalVolume::new(&setup.geometry.axes, dims, words), true, &|_, _| {}).base
     };
     frames.setups.iter().map(base).collect()
 }
 
-fn picture(frames: &Frames, bases: &[BasePlane], spacing: [f64; 3]) -> Vec<[f64; 3]> {
+fn picture(frames: &PictureFrames, bases: &[BasePlane], spacing: [f64; 3]) -> Vec<[f64; 3]> {
     let passes: Vec<(&BasePlane, &Geometry)> =
         bases.iter().zip(frames.setups.iter().map(|setup| &setup.geometry)).collect();
     warp_passes(&passes, &frames.plane, spacing, [0.0; 3])

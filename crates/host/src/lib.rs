@@ -27,7 +27,7 @@ pub use machine::{
     GradientMethod, HostLink, Layout, MachineError, MachineSpec, MemoryType, Rays, Reuse, ShadingUnit, Trilin,
 };
 pub use perspective::{PLACE_BITS, PassShape, Perspective};
-pub use picture::{Coverage, Frames, picture_setup};
+pub use picture::{Coverage, PictureFrames, picture_setup};
 pub use registers::{
     Classification, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, HalfSpace, Linear,
     LinearFactor, Normaliser, Phong, PhongLight, RayRegisters, ReflectanceTable, Shading,

@@ -14,7 +14,7 @@ use cube3_word::quantise_fraction;
 
 /// The frames of a picture as the host has set them up.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frames {
+pub struct PictureFrames {
     /// Registers and tables: one frame for a parallel view; for an eye one for each pass, that of the view's direction first. None
     /// where no ray of the picture comes near the volume.
     pub setups: Vec<FrameSetup>,
@@ -38,18 +38,18 @@ pub fn picture_setup(
     machine: &MachineSpec,
     volume: &VolumeInfo,
     plan: bool,
-) -> Result<Frames, HostError> {
+) -> Result<PictureFrames, HostError> {
     let view = checked_view(scene, volume)?;
     let plane = ImagePlane::new(scene, &view, volume.dims, volume.spacing);
     let Some(eye_world) = plane.eye else {
         let frame = frame_setup(scene, machine, volume, plan)?;
-        return Ok(Frames { setups: vec![frame.setup], view, plane, eye_voxel: None, left_out: frame.left_out });
+        return Ok(PictureFrames { setups: vec![frame.setup], view, plane, eye_voxel: None, left_out: frame.left_out });
     };
     check_perspective(scene, machine)?;
     let given = scene.view.perspective.and_then(|perspective| perspective.eye_voxel);
     let eye = given.unwrap_or([0, 1, 2].map(|i| eye_world[i] / volume.spacing[i]));
     let offset = quantise_fraction(machine.rays.offset, machine.words.weight_bits);
-    let mut frames = Frames { setups: Vec::new(), view, plane, eye_voxel: Some(eye), left_out: Vec::new() };
+    let mut frames = PictureFrames { setups: Vec::new(), view, plane, eye_voxel: Some(eye), left_out: Vec::new() };
     for axes in passes(&plane, &view, volume) {
         let size = axes.permute(volume.dims);
         let geometry = Geometry::perspective(&PassShape {
