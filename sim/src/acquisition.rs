@@ -38,6 +38,20 @@ impl Mixture {
         Mixture { oldest: volume, newest: volume, voxels: 0, newer: 0, mixed_beams: 0, first_torn_plane: None }
     }
 
+    /// Two frames of one picture together.
+    pub fn and(self, other: Mixture) -> Mixture {
+        let (oldest, newest) = (self.oldest.min(other.oldest), self.newest.max(other.newest));
+        let newer = |part: Mixture| if part.oldest == oldest { part.newer } else { part.voxels };
+        Mixture {
+            oldest,
+            newest,
+            voxels: self.voxels + other.voxels,
+            newer: newer(self) + newer(other),
+            mixed_beams: self.mixed_beams + other.mixed_beams,
+            first_torn_plane: self.first_torn_plane.or(other.first_torn_plane),
+        }
+    }
+
     /// Whether the frame shows more than one volume.
     pub fn is_torn(&self) -> bool {
         self.oldest != self.newest
@@ -69,7 +83,7 @@ impl<'a> Sight<'a> {
     /// beams of all frames in the order of fetches.
     pub fn next<'s: 'a>(geometry: &'a Geometry, dims: [usize; 3], seen: &mut &'s [u64]) -> Sight<'a> {
         let all: &'s [u64] = seen;
-        let (own, rest) = all.split_at((geometry.size[1] * geometry.size[2]).min(all.len()));
+        let (own, rest) = all.split_at(scan(geometry).count().min(all.len()));
         *seen = rest;
         Sight { geometry, dims, seen: own }
     }

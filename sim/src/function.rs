@@ -4,6 +4,7 @@
 //! lerps along u of plane v + 1 serve plane v now and plane v + 1 next; three planes of samples serve the
 //! gradient. Rows lie along u in voxel columns x = u + X(k), so that the row of the next depth is a shift.
 
+use crate::function_perspective::PassWorker;
 use crate::machine::Overflows;
 use cube3_abc::lanes::{AbcLanes, ShadedRow};
 use cube3_cone::lanes::{Accumulator, ConeLanes};
@@ -47,7 +48,7 @@ impl<'a> CanonicalVolume<'a> {
         CanonicalVolume { size, voxels: Cow::Owned(turned) }
     }
 
-    fn row(&self, v: usize, w: usize) -> &[u16] {
+    pub(crate) fn row(&self, v: usize, w: usize) -> &[u16] {
         let start = (w * self.size[1] + v) * self.size[0];
         &self.voxels[start..start + self.size[0]]
     }
@@ -133,22 +134,24 @@ fn render_in<T: Accumulator>(
     let [width, height] = geometry.base_plane_size();
     let pieces = 4 * rayon::current_num_threads();
     let band = height.div_ceil(pieces).clamp(8, 64);
-    let first = -(geometry.shear_v() as i64);
+    let first = geometry.first_ray().v;
     let done = AtomicU64::new(0);
     let overflows = base
         .pixels
         .par_chunks_mut(width * band)
         .enumerate()
         .map(|(i, rows)| {
-            let mut worker = Worker::<T>::new(setup, volume, skip);
             let start = first + (i * band) as i64;
             let count = rows.len() / width;
-            let overflows = worker.band(start, rows, width);
+            let overflows = match &geometry.perspective {
+                None => Worker::<T>::new(setup, volume, skip).band(start, rows, width),
+                Some(pass) => PassWorker::<T>::new(setup, pass, volume, skip).band(start, rows, width),
+            };
             let done = done.fetch_add(count as u64, Ordering::Relaxed) + count as u64;
             progress(done, height as u64);
             overflows
         })
-        .reduce(Overflows::default, |a, b| Overflows { shading: a.shading + b.shading, pixel: a.pixel + b.pixel });
+        .reduce(Overflows::default, Overflows::plus);
     FunctionRun { base, overflows }
 }
 
@@ -156,21 +159,21 @@ fn render_in<T: Accumulator>(
 const MARGIN: usize = 2;
 
 /// Rows of one plane, one for each depth.
-struct Plane {
+pub(crate) struct Plane {
     stride: usize,
     words: Vec<i32>,
 }
 
 impl Plane {
-    fn new(stride: usize, depths: usize) -> Plane {
+    pub fn new(stride: usize, depths: usize) -> Plane {
         Plane { stride, words: vec![0; stride * depths] }
     }
 
-    fn row(&self, k: usize) -> &[i32] {
+    pub fn row(&self, k: usize) -> &[i32] {
         &self.words[k * self.stride..(k + 1) * self.stride]
     }
 
-    fn row_mut(&mut self, k: usize) -> &mut [i32] {
+    pub fn row_mut(&mut self, k: usize) -> &mut [i32] {
         &mut self.words[k * self.stride..(k + 1) * self.stride]
     }
 }
@@ -305,7 +308,8 @@ impl<'a, T: Accumulator> Worker<'a, T> {
             vectorised(
                 #[inline(always)]
                 || {
-                    abc.shade(n, |w, dv, u| &rows[w][dv][u..u + n], |lane| [from + lane as i64, v, k as i64], shaded);
+                    let neighbour = |w: usize, dv: usize, u: usize| &rows[w][dv][u..u + n];
+                    abc.shade(n, neighbour, |lane| [from + lane as i64, v, k as i64], geometry, shaded);
                     cone.push(Some((from, &*shaded, |lane: usize| rows[1][1][lane + 1])));
                 },
             );

@@ -1,6 +1,6 @@
 //! How far the machine's gradients are from the true ones, where the scene shows a surface.
 
-use cube3_abc::golden::{Neighbourhood, classify, gradient, normalise};
+use cube3_abc::golden::{Local, Neighbourhood, classify_in, local_gradient, normalise};
 use cube3_host::{Basis, DiscreteRay, FrameSetup};
 use cube3_trilin::golden::{Weights, cell, lift};
 use cube3_volume::VoxelWords;
@@ -10,46 +10,57 @@ use glam::DVec3;
 const MOST_RAYS: usize = 16_384;
 
 /// Mean angle in degrees between the machine's gradient words and central differences of the exactly interpolated volume,
-/// at the first sample of each ray that the classification makes at least half opaque. None where no ray has
-/// one, or the frame has no gradient.
-pub fn mean_angle_deg(setup: &FrameSetup, volume: &VoxelWords) -> Option<f64> {
-    let registers = setup.gradient.as_ref()?;
+/// at the first sample of each ray that the classification makes at least half opaque, over all frames of a picture. None where
+/// no ray has one, or no frame has a gradient.
+pub fn mean_angle_deg(setups: &[FrameSetup], volume: &VoxelWords) -> Option<f64> {
+    let pairs = setups.iter().flat_map(|setup| gradient_pairs(setup, volume));
+    let error = cube3_metrics::mean_angle_deg(pairs).ok()?;
+    (error.count > error.degenerate).then_some(error.mean_deg)
+}
+
+/// The machine's gradients and the true ones.
+fn gradient_pairs(setup: &FrameSetup, volume: &VoxelWords) -> Vec<([f64; 3], [f64; 3])> {
+    let Some(registers) = &setup.gradient else {
+        return Vec::new();
+    };
     let geometry = &setup.geometry;
     let basis = Basis::new(geometry, volume.spacing, registers.method);
     let [width, height] = geometry.base_plane_size();
-    let stride = (1..).find(|stride| width.div_ceil(*stride) * height.div_ceil(*stride) <= MOST_RAYS)?;
+    let fits = |stride: &usize| width.div_ceil(*stride) * height.div_ceil(*stride) <= MOST_RAYS;
+    let stride = (1..).find(fits).unwrap_or(1);
     let machine = Samples { setup, volume };
     let half = cube3_word::unit_full(setup.words.opacity_bits).div_ceil(2);
     let mut pairs = Vec::new();
     for row in (0..height).step_by(stride) {
         for column in (0..width).step_by(stride) {
-            let ray =
-                DiscreteRay { u: column as i64 - geometry.shear_u() as i64, v: row as i64 - geometry.shear_v() as i64 };
+            let first = geometry.first_ray();
+            let ray = DiscreteRay { u: first.u + column as i64, v: first.v + row as i64 };
+            let class = setup.rays.as_ref().map_or(0, |rays| rays.length_class(row, column));
+            let gradient = |k: i64| {
+                let local = Local::new([ray.u, ray.v, k], registers, setup);
+                local_gradient(&machine.around(ray, k, registers.border), registers, &local, &setup.words).value
+            };
             let opaque = |k: &usize| {
                 let (k, table) = (*k as i64, &setup.classification);
-                let inside = setup.clips.iter().all(|clip| clip.distance.at(ray.u, ray.v, k) >= 0);
-                let Some(sample) = machine.sample(ray, k).filter(|_| inside) else {
+                let inside =
+                    || setup.clips.iter().all(|clip| geometry.evaluate(&clip.distance, [ray.u, ray.v, k]) >= 0);
+                let Some(sample) = machine.sample(ray, k).filter(|_| inside()) else {
                     return false;
                 };
                 let magnitude = match (&table.gradient_rows, &setup.normaliser) {
-                    (Some(_), Some(normaliser)) => {
-                        let words = gradient(&machine.around(ray, k, registers.border), registers, &setup.words).value;
-                        normalise(words, normaliser, &setup.words).magnitude
-                    }
+                    (Some(_), Some(normaliser)) => normalise(gradient(k), normaliser, &setup.words).magnitude,
                     _ => 0,
                 };
-                classify(sample, magnitude, table).is_some_and(|(opacity, _)| opacity >= half)
+                classify_in(class, sample, magnitude, table).is_some_and(|(opacity, _)| opacity >= half)
             };
             if let Some(k) = (0..geometry.size[2]).find(opaque) {
-                let words = gradient(&machine.around(ray, k as i64, registers.border), registers, &setup.words).value;
-                let world = basis.world(&geometry.axes, words.map(f64::from));
+                let world = basis.world(&geometry.axes, gradient(k as i64).map(f64::from));
                 let at = geometry.axes.voxel_position(geometry.size, geometry.sample_position(ray, k));
                 pairs.push((world.to_array(), true_gradient(volume, at).to_array()));
             }
         }
     }
-    let error = cube3_metrics::mean_angle_deg(pairs).ok()?;
-    (error.count > error.degenerate).then_some(error.mean_deg)
+    pairs
 }
 
 /// Samples of the machine, one at a time.
@@ -76,18 +87,15 @@ impl Samples<'_> {
         let corners = [0, 1].map(|w| {
             [0, 1].map(|v| {
                 [0, 1].map(|u| {
-                    let depth = k + w;
-                    let place = (depth < geometry.size[2]).then(|| {
-                        Some([geometry.column_at(ray.u + u, depth)?, geometry.row_at(ray.v + v, depth)?, depth])
-                    });
-                    place.flatten().map_or(0, |uvw| {
+                    geometry.corner(ray, k, [w, v, u]).map_or(0, |uvw| {
                         let [x, y, z] = geometry.axes.voxel(geometry.size, uvw);
                         lift(self.volume.word(x, y, z), &self.setup.words)
                     })
                 })
             })
         });
-        let weights = Weights { w: geometry.offset, u: geometry.u.weights[k], v: geometry.v.weights[k] };
+        let [u, v] = geometry.weights(ray, k);
+        let weights = Weights { w: geometry.offset, u, v };
         Some(cell(corners, weights, &self.setup.words))
     }
 }

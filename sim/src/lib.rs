@@ -8,6 +8,7 @@ pub mod clocked;
 pub mod command;
 pub mod fidelity;
 pub mod function;
+mod function_perspective;
 pub mod gradient_error;
 pub mod host_port;
 pub mod inputs;

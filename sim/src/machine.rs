@@ -251,6 +251,13 @@ pub struct Overflows {
     pub pixel: u64,
 }
 
+impl Overflows {
+    /// Those of two runs together.
+    pub fn plus(self, other: Overflows) -> Overflows {
+        Overflows { shading: self.shading + other.shading, pixel: self.pixel + other.pixel }
+    }
+}
+
 /// Ray slots of a frame.
 fn slots_of(setup: &FrameSetup) -> u64 {
     let [slots, planes] = setup.geometry.slot_counts();

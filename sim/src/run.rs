@@ -12,12 +12,15 @@ use crate::problem::{Outcome, Problem};
 use crate::progress::Progress;
 use crate::resources;
 use cube3_channel::Reason;
-use cube3_host::{BasePlane, Frame, ImagePlane, MachineSpec, RaySlots, TemplateRule, frame_setup, warp};
+use cube3_host::{
+    BasePlane, FrameSetup, Geometry, MachineSpec, PictureFrames, RaySlots, TemplateRule, canonical, picture_setup,
+    warp_passes,
+};
 use cube3_metrics::{Picture, compare, difference, footprint, suggested_factor};
 use cube3_raycast::{DiscreteOptions, ImageOrderOptions, image_order, sheared, true_3d};
 use cube3_report::{
-    ChannelReport, DigestReport, ErrorReport, LeftOut, PlanReport, Program, RunReport, SCHEMA, SequenceReport,
-    TimingCounts, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport, sha256_hex,
+    ChannelReport, DigestReport, ErrorReport, LeftOut, PassReport, PerspectiveReport, PlanReport, Program, RunReport,
+    SCHEMA, SequenceReport, TimingCounts, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport, sha256_hex,
 };
 use cube3_scene::Scene;
 use std::collections::BTreeMap;
@@ -119,11 +122,12 @@ pub struct RunResult {
     pub counters: Option<RunCounters>,
 }
 
-/// What the machine has given: counters, base plane, saturated words, and the seconds each run took.
+/// What the machine has given over all frames of the picture: counters, base planes, saturated words, and the seconds each run
+/// took.
 #[derive(Default)]
 pub(crate) struct MachineRun {
     pub(crate) counters: Option<RunCounters>,
-    pub(crate) base: Option<BasePlane>,
+    pub(crate) bases: Option<Vec<BasePlane>>,
     pub(crate) overflows: Overflows,
     pub(crate) timing_s: Option<f64>,
     pub(crate) function_s: Option<f64>,
@@ -157,31 +161,32 @@ pub fn run_frame_with(
     stops: &Stops,
 ) -> Outcome<RunResult> {
     let total = Progress::new("total");
-    let frame = frame_setup(scene, machine, &volume.info(), options.plan)?;
-    let run = run_machine(&frame, machine, volume, options, stops)?;
+    let frames = picture_setup(scene, machine, &volume.info(), options.plan)?;
+    check_reference(options.reference, &frames)?;
+    let run = run_machine(&frames, machine, volume, options, stops)?;
     let mut pictures = Pictures::default();
     let mut digest = DigestReport::default();
-    if let Some(base) = &run.base {
-        (pictures, digest) = show(base, &frame, scene, volume)?;
+    if let Some(bases) = &run.bases {
+        (pictures, digest) = show(bases, &frames, scene, volume)?;
     }
     let (error, reference_s) = match options.reference {
         Reference::None => (None, None),
         _ if pictures.image.is_none() => (None, None),
         reference => {
             let progress = Progress::new("reference");
-            let picture = reference_picture(reference, scene, machine, volume, &frame, &progress)?;
+            let picture = reference_picture(reference, scene, machine, volume, &frames, &progress)?;
             let seconds = progress.finish();
-            let error = measure(reference, scene, &frame, volume, picture, &mut pictures)?;
+            let error = measure(reference, scene, &frames, volume, picture, &mut pictures)?;
             (Some(error), Some(seconds))
         }
     };
-    let samples = frame.setup.geometry.sample_count();
+    let samples = frames.setups.iter().map(|setup| setup.geometry.sample_count()).sum();
     let wall = WallReport { reference_s, total_s: Some(total.finish()), ..run.wall(samples) };
     let asked = Asked { scene, machine, volume, options };
-    let found = Found { frames: 1, samples, error, digest, wall, sequence: None };
-    let report = asked.report(&frame, &run, found)?;
+    let found = Found { frames: 1, interval: None, samples, error, digest, wall, sequence: None };
+    let report = asked.report(&frames, &run, found)?;
     let mut told = run.told;
-    told.extend(notes(scene, volume, run.base.as_ref(), samples));
+    told.extend(notes(scene, volume, run.bases.as_deref(), samples));
     Ok(RunResult { report, pictures, notes: told, counters: run.counters })
 }
 
@@ -196,6 +201,8 @@ pub(crate) struct Asked<'a> {
 /// What was found out beside the machine's own counters.
 pub(crate) struct Found {
     pub(crate) frames: u64,
+    /// Cycles from a picture's last pixel to the next one's; measured on the picture following itself where it is not given.
+    pub(crate) interval: Option<u64>,
     pub(crate) samples: u64,
     pub(crate) error: Option<ErrorReport>,
     pub(crate) digest: DigestReport,
@@ -204,19 +211,15 @@ pub(crate) struct Found {
 }
 
 impl Asked<'_> {
-    /// The report of a run whose first frame is `frame`, checked.
-    pub(crate) fn report(&self, frame: &Frame, run: &MachineRun, found: Found) -> Outcome<RunReport> {
+    /// The report of a run whose first picture is `frames`, checked.
+    pub(crate) fn report(&self, frames: &PictureFrames, run: &MachineRun, found: Found) -> Outcome<RunReport> {
         let &Asked { scene, machine, volume, options } = self;
+        let passes = frames.setups.as_slice();
         let mut interval = 0;
         let (mut limits, mut resources) = (None, None);
         if let Some(counters) = &run.counters {
-            let ends = &counters.frame_ends;
-            interval = match (ends.first(), ends.last()) {
-                (Some(first), Some(last)) if ends.len() > 1 => (last - first) / (ends.len() as u64 - 1),
-                _ => limits::frame_interval(machine, std::slice::from_ref(&frame.setup))?,
-            };
+            interval = found.interval.map_or_else(|| limits::frame_interval(machine, passes), Ok)?;
             if found.sequence.is_none() {
-                let passes = std::slice::from_ref(&frame.setup);
                 limits = Some(limits::limits(machine, passes, interval)?);
                 resources = Some(resources::resources(machine, volume.words.dims, passes, counters, interval));
             }
@@ -234,8 +237,8 @@ impl Asked<'_> {
                 spacing: volume.words.spacing,
                 conversion: volume.conversion.to_string().into(),
             },
-            view: view_report(frame),
-            plan: PlanReport { enabled: options.plan, left_out: left_out(frame) },
+            view: view_report(scene, volume, frames),
+            plan: PlanReport { enabled: options.plan, left_out: left_out(frames) },
             timing: run.counters.as_ref().map(|counters| {
                 TimingCounts {
                     frames: found.frames,
@@ -264,59 +267,70 @@ impl Asked<'_> {
     }
 }
 
-/// The picture and the base plane over the background, and their digests.
+/// The picture and the base planes over the background, and their digests.
 pub(crate) fn show(
-    base: &BasePlane,
-    frame: &Frame,
+    bases: &[BasePlane],
+    frames: &PictureFrames,
     scene: &Scene,
     volume: &LoadedVolume,
 ) -> Outcome<(Pictures, DigestReport)> {
-    let plane = ImagePlane::new(scene, &frame.view, volume.words.dims, volume.words.spacing);
-    let image = warp(base, &frame.setup.geometry, &plane, volume.words.spacing, scene.background);
-    let image = Picture::new(plane.width, plane.height, image)?;
+    let passes: Vec<(&BasePlane, &Geometry)> =
+        bases.iter().zip(frames.setups.iter().map(|setup| &setup.geometry)).collect();
+    let image = warp_passes(&passes, &frames.plane, volume.words.spacing, scene.background);
+    let image = Picture::new(frames.plane.width, frames.plane.height, image)?;
     let digest = DigestReport {
-        base_plane: Some(sha256_hex(&bytes(base))),
+        base_plane: Some(sha256_hex(&bases.iter().flat_map(bytes).collect::<Vec<u8>>())),
         image: Some(sha256_hex(&cube3_report::to_rgb8(&image))),
     };
-    let base_plane = Some(Picture::new(base.width, base.height, base.over(scene.background))?);
+    let base_plane = side_by_side(bases, scene.background)?;
     Ok((Pictures { image: Some(image), base_plane, ..Pictures::default() }, digest))
 }
 
+/// The references that take the machine's own sample positions know parallel ones only.
+pub(crate) fn check_reference(reference: Reference, frames: &PictureFrames) -> Outcome<()> {
+    match reference {
+        Reference::True | Reference::Sheared if frames.eye_voxel.is_some() => Err(Problem::new(format!(
+            "the reference \"{}\" is for parallel views; in perspective give \"image-order\" or \"none\"",
+            reference.name()
+        ))),
+        _ => Ok(()),
+    }
+}
+
 fn run_machine(
-    frame: &Frame,
+    frames: &PictureFrames,
     machine: &MachineSpec,
     volume: &LoadedVolume,
     options: &RunOptions,
     stops: &Stops,
 ) -> Outcome<MachineRun> {
     let mut run = MachineRun::default();
-    if options.runs == Runs::Function && !stops.is_empty() {
-        return Err(Problem::new(
-            "--fidelity function has no cycles to trace, save or resume; give --fidelity timing, both or cycle",
-        ));
+    let (setups, words) = (frames.setups.as_slice(), &volume.words);
+    if setups.is_empty() {
+        run.bases = (options.runs != Runs::Timing).then(Vec::new);
+        return Ok(run);
     }
+    let function = || function(setups, words.dims, &words.words, options.plan);
     match options.runs {
         Runs::Both => {
             let (timing, function) = std::thread::scope(|scope| {
-                let timing = scope.spawn(|| timing(frame, machine, volume, stops));
-                let function = function(frame, volume.words.dims, &volume.words.words, options.plan);
+                let timing = scope.spawn(|| timing(setups, machine, volume, stops));
+                let function = function();
                 (timing.join(), function)
             });
             run.take_timing(timing.map_err(|_| Problem::new("the timing run stopped unexpectedly"))??);
             run.take_function(function);
         }
-        Runs::Timing => run.take_timing(timing(frame, machine, volume, stops)?),
-        Runs::Function => run.take_function(function(frame, volume.words.dims, &volume.words.words, options.plan)),
+        Runs::Timing => run.take_timing(timing(setups, machine, volume, stops)?),
+        Runs::Function => run.take_function(function()),
         Runs::Cycle => {
             let progress = Progress::new("cycle");
-            let words = &volume.words;
-            let mut cycle = Machine::cycle(machine, vec![frame.setup.clone()], words.dims, &words.words)?;
-            run.told = clocked(&mut cycle, Runs::Cycle, frame, machine, volume, stops, &progress)?;
-            let machine = cycle;
+            let mut cycle = Machine::cycle(machine, setups.to_vec(), words.dims, &words.words)?;
+            run.told = clocked(&mut cycle, Runs::Cycle, setups, machine, volume, stops, &progress)?;
             run.cycle_s = Some(progress.finish());
-            run.counters = Some(machine.counters());
-            run.overflows = machine.overflows();
-            run.base = machine.into_base_planes().pop();
+            run.counters = Some(cycle.counters());
+            run.overflows = cycle.overflows();
+            run.bases = Some(cycle.into_base_planes());
         }
     }
     Ok(run)
@@ -342,9 +356,9 @@ impl MachineRun {
         }
     }
 
-    fn take_function(&mut self, (run, seconds): (FunctionRun, f64)) {
-        self.base = Some(run.base);
-        self.overflows = run.overflows;
+    fn take_function(&mut self, (runs, seconds): (Vec<FunctionRun>, f64)) {
+        self.overflows = runs.iter().fold(Overflows::default(), |sum, run| sum.plus(run.overflows));
+        self.bases = Some(runs.into_iter().map(|run| run.base).collect());
         self.function_s = Some(seconds);
     }
 }
@@ -352,39 +366,61 @@ impl MachineRun {
 /// What a timing run gives: counters, seconds, and what its stops have to tell.
 type TimingRun = (RunCounters, f64, Vec<String>);
 
-fn timing(frame: &Frame, machine: &MachineSpec, volume: &LoadedVolume, stops: &Stops) -> Outcome<TimingRun> {
+fn timing(setups: &[FrameSetup], machine: &MachineSpec, volume: &LoadedVolume, stops: &Stops) -> Outcome<TimingRun> {
     let progress = Progress::new("timing");
-    let mut timing: Machine<Timing> = Machine::timing(machine, vec![frame.setup.clone()])?;
-    let told = clocked(&mut timing, Runs::Timing, frame, machine, volume, stops, &progress)?;
+    let mut timing: Machine<Timing> = Machine::timing(machine, setups.to_vec())?;
+    let told = clocked(&mut timing, Runs::Timing, setups, machine, volume, stops, &progress)?;
     Ok((timing.counters(), progress.finish(), told))
 }
 
 fn clocked<F: Fidelity>(
     run: &mut Machine<F>,
     runs: Runs,
-    frame: &Frame,
+    setups: &[FrameSetup],
     machine: &MachineSpec,
     volume: &LoadedVolume,
     stops: &Stops,
     progress: &Progress,
 ) -> Outcome<Vec<String>> {
     let words = &volume.words;
-    let frames = std::slice::from_ref(&frame.setup);
-    let identity = || Identity::new(runs.name(), machine, frames, words.dims, &words.words);
+    let identity = || Identity::new(runs.name(), machine, setups, words.dims, &words.words);
     run_clocked(run, stops, machine.clock_hz, identity, &|done, all| progress.set(done, all))
 }
 
-/// Renders a volume of voxel words, x fastest; also the seconds.
-pub(crate) fn function(frame: &Frame, dims: [usize; 3], words: &[u16], skip: bool) -> (FunctionRun, f64) {
+/// Renders frames of a volume of voxel words, x fastest; also the seconds.
+pub(crate) fn function(setups: &[FrameSetup], dims: [usize; 3], words: &[u16], skip: bool) -> (Vec<FunctionRun>, f64) {
     let progress = Progress::new("function");
-    let turned = CanonicalVolume::new(&frame.setup.geometry.axes, dims, words);
-    let run = render(&frame.setup, &turned, skip, &|done, all| progress.set(done, all));
-    (run, progress.finish())
+    let pass = |setup: &FrameSetup| {
+        let turned = CanonicalVolume::new(&setup.geometry.axes, dims, words);
+        render(setup, &turned, skip, &|done, all| progress.set(done, all))
+    };
+    let runs = setups.iter().map(pass).collect();
+    (runs, progress.finish())
+}
+
+/// Columns of background between base planes.
+const GAP: usize = 4;
+
+/// All base planes in one picture, side by side over the background; none where there are none.
+fn side_by_side(bases: &[BasePlane], background: [f64; 3]) -> Outcome<Option<Picture>> {
+    let Some(height) = bases.iter().map(|base| base.height).max() else {
+        return Ok(None);
+    };
+    let width = bases.iter().map(|base| base.width).sum::<usize>() + GAP * (bases.len() - 1);
+    let mut pixels = vec![background; width * height];
+    let mut left = 0;
+    for base in bases {
+        for (row, line) in base.over(background).chunks(base.width).enumerate() {
+            pixels[row * width + left..][..base.width].copy_from_slice(line);
+        }
+        left += base.width + GAP;
+    }
+    Ok(Some(Picture::new(width, height, pixels)?))
 }
 
 /// Why a picture is empty, where it is.
-pub(crate) fn notes(scene: &Scene, volume: &LoadedVolume, base: Option<&BasePlane>, samples: u64) -> Vec<String> {
-    if base.is_none_or(|base| base.pixels.iter().any(|pixel| pixel[3] > 0)) {
+pub(crate) fn notes(scene: &Scene, volume: &LoadedVolume, bases: Option<&[BasePlane]>, samples: u64) -> Vec<String> {
+    if bases.is_none_or(|bases| bases.iter().flat_map(|base| &base.pixels).any(|pixel| pixel[3] > 0)) {
         return Vec::new();
     }
     let [low, high] = volume.words.window;
@@ -408,34 +444,37 @@ fn bytes(base: &BasePlane) -> Vec<u8> {
     base.pixels.iter().flatten().flat_map(|word| word.to_le_bytes()).collect()
 }
 
-/// The reference of a volume in a frame.
 pub(crate) fn reference_picture(
     reference: Reference,
     scene: &Scene,
     machine: &MachineSpec,
     volume: &LoadedVolume,
-    frame: &Frame,
+    frames: &PictureFrames,
     progress: &Progress,
 ) -> Outcome<Picture> {
-    let plane = ImagePlane::new(scene, &frame.view, volume.words.dims, volume.words.spacing);
     let border = volume.words.window[0];
-    let geometry = &frame.setup.geometry;
-    let rows = match reference {
-        Reference::ImageOrder => plane.height,
-        _ => geometry.base_plane_size()[1],
+    let plane = &frames.plane;
+    let geometry = frames.setups.first().map(|setup| &setup.geometry);
+    let rows = match (reference, geometry) {
+        (Reference::True | Reference::Sheared, Some(geometry)) => geometry.base_plane_size()[1],
+        _ => plane.height,
     } as u64;
     let report = |done: u64| progress.set(done, rows);
     let discrete = DiscreteOptions { gradient: machine.abc.gradient, border };
-    let base = match reference {
-        Reference::True => true_3d(&volume.data, scene, geometry, &discrete, Some(&report))?,
-        Reference::Sheared => sheared(&volume.data, scene, geometry, &discrete, Some(&report))?,
-        Reference::ImageOrder | Reference::None => {
+    let (base, geometry) = match (reference, geometry) {
+        (Reference::True, Some(geometry)) => {
+            (true_3d(&volume.data, scene, geometry, &discrete, Some(&report))?, geometry)
+        }
+        (Reference::Sheared, Some(geometry)) => {
+            (sheared(&volume.data, scene, geometry, &discrete, Some(&report))?, geometry)
+        }
+        _ => {
             let options = ImageOrderOptions { border, ..ImageOrderOptions::default() };
             let rendering = image_order(&volume.data, scene, &options, Some(&report))?;
             return Ok(Picture::new(rendering.width, rendering.height, rendering.pixels)?);
         }
     };
-    let pixels = base.warp(geometry, &plane, volume.data.spacing, scene.background);
+    let pixels = base.warp(geometry, plane, volume.data.spacing, scene.background);
     Ok(Picture::new(plane.width, plane.height, pixels)?)
 }
 
@@ -443,7 +482,7 @@ pub(crate) fn reference_picture(
 pub(crate) fn measure(
     reference: Reference,
     scene: &Scene,
-    frame: &Frame,
+    frames: &PictureFrames,
     volume: &LoadedVolume,
     picture: Picture,
     pictures: &mut Pictures,
@@ -457,42 +496,71 @@ pub(crate) fn measure(
     pictures.difference = Some(difference(image, &picture, f64::from(factor))?);
     pictures.reference = Some(picture);
     let mut error = ErrorReport::new(reference.name(), &comparison, f64::from(factor));
-    error.gradient_mean_deg = gradient_error::mean_angle_deg(&frame.setup, &volume.words);
+    error.gradient_mean_deg = gradient_error::mean_angle_deg(&frames.setups, &volume.words);
     Ok(error)
 }
 
-fn view_report(frame: &Frame) -> ViewReport {
-    let geometry = &frame.setup.geometry;
-    let axis = ["x", "y", "z"][geometry.axes.axis[2]];
+fn view_report(scene: &Scene, volume: &LoadedVolume, frames: &PictureFrames) -> ViewReport {
+    let central = canonical(frames.view.direction, volume.words.spacing);
+    let geometry = frames.setups.first().map(|setup| &setup.geometry);
+    let axes = geometry.map_or(central.axes, |geometry| geometry.axes);
     let mut flips = [false; 3];
     for i in 0..3 {
-        flips[geometry.axes.axis[i]] = geometry.axes.reversed[i];
+        flips[axes.axis[i]] = axes.reversed[i];
     }
-    let rule = match geometry.rule {
-        TemplateRule::SampleFloor => "sample-floor",
-        TemplateRule::PlaneFloor => "plane-floor",
-    };
-    let slots = match geometry.slots {
-        RaySlots::Wrapped => "wrapped",
-        RaySlots::Padded => "padded",
-    };
+    let (rule, slots) = geometry.map_or(("no frame", ""), |geometry| {
+        let rule = match geometry.rule {
+            TemplateRule::SampleFloor => "sample-floor",
+            TemplateRule::PlaneFloor => "plane-floor",
+        };
+        let slots = match geometry.slots {
+            _ if geometry.perspective.is_some() => ", a slot for each ray",
+            RaySlots::Wrapped => ", wrapped",
+            RaySlots::Padded => ", padded",
+        };
+        (rule, slots)
+    });
+    let parallel = geometry.filter(|geometry| geometry.perspective.is_none());
     ViewReport {
-        major_axis: axis.into(),
+        major_axis: AXES[axes.axis[2]].into(),
         flips,
-        slopes: geometry.real_slopes(),
-        offset: geometry.real_offset(),
-        template_rule: format!("{rule}, {slots}"),
-        base_plane_size: geometry.base_plane_size(),
+        slopes: parallel.map_or(central.slopes, Geometry::real_slopes),
+        offset: geometry.map_or(0.0, Geometry::real_offset),
+        template_rule: format!("{rule}{slots}"),
+        base_plane_size: geometry.map_or([0; 2], Geometry::base_plane_size),
+        perspective: frames.eye_voxel.map(|eye_voxel| PerspectiveReport {
+            eye_voxel,
+            field_of_view_deg: scene.view.perspective.map_or(0.0, |perspective| perspective.field_of_view_deg),
+            passes: frames.setups.iter().filter_map(pass_report).collect(),
+        }),
     }
 }
 
-fn left_out(frame: &Frame) -> Vec<LeftOut> {
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+fn pass_report(setup: &FrameSetup) -> Option<PassReport> {
+    let geometry = &setup.geometry;
+    let coverage = geometry.coverage()?;
+    let sign = if geometry.axes.reversed[2] { "−" } else { "+" };
+    Some(PassReport {
+        axis: format!("{sign}{}", AXES[geometry.axes.axis[2]]),
+        base_plane_size: geometry.base_plane_size(),
+        offset: geometry.real_offset(),
+        own_cells: geometry.doubled(),
+        gradient: setup.gradient.map(|registers| registers.method.name().into()),
+        back_spacing_voxel: coverage.back_spacing,
+        unused_voxel_fraction: coverage.unused,
+        widest_cell_voxel: coverage.widest_cell,
+    })
+}
+
+fn left_out(frames: &PictureFrames) -> Vec<LeftOut> {
     let entry = |left: &cube3_host::LeftOut| LeftOut {
         what: left.what.clone(),
         why: left.why.clone(),
         saves: left.saves.clone(),
     };
-    frame.left_out.iter().map(entry).collect()
+    frames.left_out.iter().map(entry).collect()
 }
 
 fn unit_reports(counters: &RunCounters) -> Vec<UnitReport> {
@@ -527,7 +595,7 @@ fn channel_reports(counters: &RunCounters) -> Vec<ChannelReport> {
 fn words_report(run: &MachineRun, volume: &LoadedVolume) -> WordsReport {
     let mut overflows = BTreeMap::new();
     overflows.insert("voxel".into(), volume.conversion.clipped_below + volume.conversion.clipped_above);
-    if run.base.is_some() {
+    if run.bases.is_some() {
         overflows.insert("gradient and colour".into(), run.overflows.shading);
         overflows.insert("pixel".into(), run.overflows.pixel);
     }

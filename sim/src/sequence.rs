@@ -18,11 +18,11 @@ use crate::machine::{Machine, Overflows, RunCounters};
 use crate::problem::{Outcome, Problem};
 use crate::progress::{Progress, Waiting};
 use crate::run::{
-    Asked, Found, MachineRun, Pictures, Reference, RunOptions, RunResult, Runs, function, measure, notes,
-    reference_picture, show,
+    Asked, Found, MachineRun, Pictures, Reference, RunOptions, RunResult, Runs, check_reference, function, measure,
+    notes, reference_picture, show,
 };
 use cube3_cfb::{AcquisitionPort, PortSpec};
-use cube3_host::{AcquisitionMode, BasePlane, Frame, FrameSetup, MachineSpec, frame_setup};
+use cube3_host::{AcquisitionMode, BasePlane, FrameSetup, MachineSpec, PictureFrames, picture_setup};
 use cube3_metrics::{ImageError, Picture, compare};
 use cube3_report::{AcquisitionReport, DigestReport, FrameReport, SequenceReport, WallReport};
 use cube3_scene::{Scene, VolumeSource};
@@ -193,18 +193,31 @@ pub fn run_sequence(
     let moves = series.count() != Some(1);
     check_memory(scene, machine, series, frames, options)?;
     let views: Vec<Scene> = (0..frames).map(|frame| scene_at(scene, frame, frames)).collect();
-    let set_up = |frame: usize| Ok::<Frame, Problem>(frame_setup(&views[frame], machine, &first.info(), options.plan)?);
+    let set_up = |frame: usize| {
+        Ok::<PictureFrames, Problem>(picture_setup(&views[frame], machine, &first.info(), options.plan)?)
+    };
+    check_perspective(scene, machine, moves, options.runs)?;
     let mut run = MachineRun::default();
+    // Frames of the machine behind each picture: a picture of an eye has several.
+    let mut passes = Vec::with_capacity(frames);
     let clocked = match options.runs {
         Runs::Function => None,
         _ => {
-            let setups = (0..frames).map(|frame| Ok(set_up(frame)?.setup)).collect::<Outcome<Vec<FrameSetup>>>()?;
+            let mut setups = Vec::with_capacity(frames);
+            for frame in 0..frames {
+                setups.extend(set_up(frame)?.setups);
+                passes.push(setups.len());
+            }
             let port = moves
                 .then(|| PortSpec::new(machine, first.words.dims, series.count().map(|count| count.saturating_sub(1))));
             Some(clock(machine, series, setups, port, options.runs, &mut run)?)
         }
     };
-    let fps = clocked.as_ref().map(|clocked| sustained_fps(&clocked.counters, machine.clock_hz));
+    let ends: Option<Vec<u64>> = clocked.as_ref().map(|clocked| {
+        let end = |&passes: &usize| passes.checked_sub(1).map_or(0, |last| clocked.counters.frame_ends[last]);
+        passes.iter().map(end).collect()
+    });
+    let fps = ends.as_deref().map(|ends| sustained_fps(ends, machine.clock_hz));
     let playback_fps = playback_fps(fps.unwrap_or(f64::INFINITY));
 
     let progress = Progress::new("frames");
@@ -215,29 +228,46 @@ pub fn run_sequence(
     let (mut first_frame, mut end) = (None, 0);
     for (index, view) in views.iter().enumerate() {
         let frame = set_up(index)?;
-        let geometry = &frame.setup.geometry;
-        samples += geometry.sample_count();
-        let sight = seen.as_mut().map(|seen| Sight::next(geometry, first.words.dims, seen));
+        if options.reference != Reference::None {
+            check_reference(options.reference, &frame)?;
+        }
+        samples += frame.setups.iter().map(|setup| setup.geometry.sample_count()).sum::<u64>();
         let whole = match options.runs {
             Runs::Function => series.count().map_or(index as u64, |count| (index as u64).min(count - 1)),
             _ => 0,
         };
-        let mixture = sight.map_or_else(|| Mixture::whole(whole), |sight| sight.mixture());
-        let base = match options.runs {
+        let sights: Option<Vec<Sight<'_>>> = seen.as_mut().map(|seen| {
+            frame.setups.iter().map(|setup| Sight::next(&setup.geometry, first.words.dims, seen)).collect()
+        });
+        let mixtures: Vec<Mixture> = match &sights {
+            Some(sights) => sights.iter().map(Sight::mixture).collect(),
+            None => vec![Mixture::whole(whole); frame.setups.len()],
+        };
+        let mixture = mixtures.iter().copied().reduce(Mixture::and).unwrap_or(Mixture::whole(whole));
+        let bases = match options.runs {
             Runs::Timing => None,
-            Runs::Cycle => clocked.as_ref().and_then(|clocked| clocked.bases.get(index)).cloned(),
+            Runs::Cycle => clocked.as_ref().map(|clocked| {
+                let first = index.checked_sub(1).map_or(0, |before| passes[before]);
+                clocked.bases[first..passes[index]].to_vec()
+            }),
             Runs::Both | Runs::Function => {
-                let content = content(series, sight.as_ref(), &mixture)?;
-                let (made, seconds) = function(&frame, first.words.dims, content.words(), options.plan);
-                run.overflows.shading += made.overflows.shading;
-                run.overflows.pixel += made.overflows.pixel;
-                *function_s.get_or_insert(0.0) += seconds;
-                Some(made.base)
+                let mut bases = Vec::new();
+                for (pass, mixture) in mixtures.iter().enumerate() {
+                    let content = content(series, sights.as_ref().map(|sights| &sights[pass]), mixture)?;
+                    let setup = std::slice::from_ref(&frame.setups[pass]);
+                    let (made, seconds) = function(setup, first.words.dims, content.words(), options.plan);
+                    *function_s.get_or_insert(0.0) += seconds;
+                    for made in made {
+                        run.overflows = run.overflows.plus(made.overflows);
+                        bases.push(made.base);
+                    }
+                }
+                Some(bases)
             }
         };
         let (mut error, mut digest) = (None, DigestReport::default());
-        if let Some(base) = &base {
-            let (mut shown, made) = show(base, &frame, view, &first)?;
+        if let Some(bases) = &bases {
+            let (mut shown, made) = show(bases, &frame, view, &first)?;
             digest = made;
             if options.reference != Reference::None {
                 let expected = series.volume(mixture.oldest)?;
@@ -257,18 +287,18 @@ pub fn run_sequence(
             }
             if index == 0 {
                 (pictures, first_digest) = (shown, digest.clone());
-                run.base = Some(base.clone());
+                run.bases = Some(bases.clone());
             }
         }
-        let ends = clocked.as_ref().map(|clocked| clocked.counters.frame_ends[index]);
+        let this = ends.as_ref().map(|ends| ends[index]);
         reports.push(FrameReport {
             angles_deg: view.view.direction.is_none().then_some([
                 view.view.yaw_deg,
                 view.view.tilt_deg,
                 view.view.roll_deg,
             ]),
-            cycles: ends.map(|this| this - end),
-            end_cycle: ends,
+            cycles: this.map(|this| this - end),
+            end_cycle: this,
             volume: mixture.oldest,
             newest_volume: mixture.newest,
             newer_fraction: mixture.newer as f64 / mixture.voxels.max(1) as f64,
@@ -278,7 +308,7 @@ pub fn run_sequence(
             error,
             digest,
         });
-        end = ends.unwrap_or_default();
+        end = this.unwrap_or_default();
         if index == 0 {
             first_frame = Some(frame);
         }
@@ -310,6 +340,10 @@ pub fn run_sequence(
     let asked = Asked { scene, machine, volume: &first, options };
     let found = Found {
         frames: frames as u64,
+        interval: ends.as_deref().map(|ends| match ends {
+            [first, .., last] => (last - first) / (ends.len() as u64 - 1),
+            ends => ends.last().copied().unwrap_or_default(),
+        }),
         samples,
         error: first_error,
         digest: first_digest,
@@ -318,7 +352,8 @@ pub fn run_sequence(
     };
     let mut report = asked.report(&frame, &run, found)?;
     report.words.overflows.insert("voxel".into(), series.clipped.values().sum());
-    let notes = notes(scene, &first, run.base.as_ref(), frame.setup.geometry.sample_count());
+    let seen = frame.setups.iter().map(|setup| setup.geometry.sample_count()).sum();
+    let notes = notes(scene, &first, run.bases.as_deref(), seen);
     Ok(RunResult { report, pictures, notes, counters: run.counters })
 }
 
@@ -404,12 +439,25 @@ fn difference(shown: &Pictures, reference: &Picture) -> Outcome<ImageError> {
 }
 
 /// Frames per second between the ends of the first and the last frame; of one frame, from its start.
-fn sustained_fps(counters: &RunCounters, clock_hz: f64) -> f64 {
-    let (frames, first) = match counters.frame_ends.as_slice() {
-        [] | [_] => (1, 0),
-        [first, .., _] => (counters.frame_ends.len() - 1, *first),
+fn sustained_fps(ends: &[u64], clock_hz: f64) -> f64 {
+    let (frames, cycles) = match ends {
+        [] => (0, 0),
+        [only] => (1, *only),
+        [first, .., last] => (ends.len() - 1, last - first),
     };
-    frames as f64 * clock_hz / (counters.cycles - first).max(1) as f64
+    frames as f64 * clock_hz / cycles.max(1) as f64
+}
+
+/// Refuses volumes that change under an eye's frames: these may read a voxel several times, and each time of another volume.
+fn check_perspective(scene: &Scene, machine: &MachineSpec, moves: bool, runs: Runs) -> Outcome<()> {
+    let mixes = machine.acquisition.mode != AcquisitionMode::DoubleBuffer && runs != Runs::Function;
+    if scene.view.perspective.is_some() && moves && mixes {
+        return Err(Problem::new(
+            "in perspective a frame may read a voxel more than once, and a volume that changes meanwhile has no one picture: \
+             give acquisition.mode = \"double-buffer\" in the machine file, or a volume that stands still",
+        ));
+    }
+    Ok(())
 }
 
 fn acquisition(port: &AcquisitionPort, machine: &MachineSpec, cycles: u64, torn_frames: usize) -> AcquisitionReport {

@@ -4,7 +4,10 @@ use cube3_host::{
     Abc, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, GradientMethod, HostLink, Layout,
     MachineSpec, MemoryModel, RaySlots, Rays, Reuse, ShadingUnit, TemplateRule, Trilin, VolumeInfo,
 };
-use cube3_scene::{ColourPoint, Crop, Cut, DepthCue, Layer, Light, Material, Mode, Scene, Threshold, Transfer, View};
+use cube3_scene::{
+    ColourPoint, Crop, Cut, DepthCue, Image, Layer, Light, Material, Mode, Perspective, Scene, Threshold, Transfer,
+    View,
+};
 use cube3_word::{Rounding, Words};
 use proptest::prelude::*;
 
@@ -263,4 +266,48 @@ pub fn scenes() -> impl Strategy<Value = Scene> {
             ..Scene::default()
         },
     )
+}
+
+/// Perspective views: eyes in front, beside, on a face, on a voxel, inside and far away, looking anywhere.
+pub fn perspectives() -> impl Strategy<Value = Perspective> {
+    let near = || -9.0..15.0_f64;
+    let inside = || 0.0..6.0_f64;
+    let voxel = || (0_u8..6).prop_map(f64::from);
+    let eye = prop_oneof![
+        2 => [near(), near(), near()],
+        1 => [inside(), inside(), inside()],
+        1 => [voxel(), voxel(), voxel()],
+        1 => [near().boxed(), Just(0.0).boxed(), near().boxed()],
+        1 => [-1e3..1e3_f64, -1e3..1e3_f64, -1e3..1e3_f64],
+        1 => [near().boxed(), (-1e12..1e12_f64).boxed(), near().boxed()],
+    ];
+    let field = prop_oneof![1 => Just(0.01), 4 => 10.0..90.0_f64, 1 => Just(150.0)];
+    let place = prop_oneof![
+        6 => eye.prop_map(|eye| (Some(eye), None)),
+        2 => (0.0..40.0_f64).prop_map(|distance| (None, Some(distance))),
+        1 => Just((None, None)),
+    ];
+    (field, place).prop_map(|(field_of_view_deg, (eye_voxel, distance_voxel))| Perspective {
+        field_of_view_deg,
+        eye_voxel,
+        distance_voxel,
+    })
+}
+
+/// A scene as an eye sees it, in a picture of a few pixels.
+pub fn from_eye(scene: &Scene, perspective: Perspective) -> Scene {
+    let view = View { perspective: Some(perspective), ..scene.view.clone() };
+    let image = Image { width_px: 13, height_px: 9, ..scene.image.clone() };
+    Scene { view, image, ..scene.clone() }
+}
+
+/// The machine with a gradient and a shading unit that it has in perspective.
+pub fn for_perspective(machine: &MachineSpec) -> MachineSpec {
+    let gradient = match machine.abc.gradient {
+        GradientMethod::Ten => GradientMethod::Twelve,
+        GradientMethod::TenNormalised => GradientMethod::SixSheared,
+        method => method,
+    };
+    let abc = Abc { gradient, shading: ShadingUnit::Phong, ..machine.abc };
+    MachineSpec { abc, ..machine.clone() }
 }

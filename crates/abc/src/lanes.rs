@@ -4,9 +4,10 @@
 //! the depths of one ray. Arithmetic is in 32 bits where the words allow it, in 64 where they do not.
 
 use crate::golden;
+use crate::perspective::{LocalRows, RayLanes};
 use cube3_host::{
-    Classification, FrameSetup, GradientMethod, GradientRegisters, GradientScale, LinearFactor, Normaliser, Phong,
-    ReflectanceTable, Shading,
+    Classification, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientScale, LinearFactor, Normaliser,
+    Phong, ReflectanceTable, Shading,
 };
 use cube3_word::{Shift, Words, unit_full};
 
@@ -34,6 +35,7 @@ pub struct AbcLanes {
     normaliser: Option<Normaliser>,
     shading: Option<Shading>,
     cue: Option<LinearFactor>,
+    rays: Option<RayLanes>,
     skip: bool,
     row: Scratch,
 }
@@ -52,6 +54,10 @@ struct Scratch {
     power: Vec<u32>,
     diffuse: [Vec<u32>; 3],
     specular: [Vec<u32>; 3],
+    /// Towards the light in hand and halfway to it, by lane.
+    towards: [[Vec<i32>; 3]; 2],
+    class: Vec<u32>,
+    local: LocalRows,
 }
 
 fn resize<T: Default + Clone>(rows: &mut [Vec<T>], n: usize) {
@@ -70,19 +76,30 @@ impl AbcLanes {
             normaliser: setup.normaliser.clone(),
             shading: setup.shading.clone(),
             cue: setup.depth_cue,
+            rays: RayLanes::new(setup),
             skip,
             row: Scratch::default(),
         }
     }
 
+    /// Makes ready for the rays `us` of plane `v`: in perspective each has a light of its own. It must be called before they are
+    /// shaded; in a parallel frame it does nothing.
+    pub fn aim(&mut self, v: i64, us: std::ops::Range<i64>) {
+        if let Some(rays) = &mut self.rays {
+            rays.aim(v, us, self.shading.as_ref(), self.normaliser.as_ref(), &self.words);
+        }
+    }
+
     /// Shades `n` samples. `neighbour(w, v, u)` is a row of the neighbourhood, each index 0 to 2 and `neighbour(1, 1, 1)` the
-    /// samples themselves, with `n` lanes at least; `at(lane)` is the lane's (u, v, k). `out.present` must have `n` entries.
+    /// samples themselves, with `n` lanes at least; `at(lane)` is the lane's (u, v, k). `out.present` must have `n` entries. In perspective the rays must have been
+    /// aimed at, their signs along u may change once, and the one along v not at all.
     #[inline(always)]
     pub fn shade<'a>(
         &mut self,
         n: usize,
         neighbour: impl Fn(usize, usize, usize) -> &'a [i32] + Copy,
         at: impl Fn(usize) -> [i64; 3] + Copy,
+        geometry: &Geometry,
         out: &mut ShadedRow,
     ) {
         out.overflows = 0;
@@ -90,10 +107,14 @@ impl AbcLanes {
         resize(&mut out.colour, n);
         let two_dimensional = self.table.rows.is_some();
         if two_dimensional {
-            self.gradient_stage(0, n, neighbour);
+            self.gradient_stage(0, n, neighbour, at);
             self.normal_stage(0, n);
         }
-        let span = self.table.opacity(n, neighbour(1, 1, 1), &self.row.magnitude, out);
+        self.row.class.clear();
+        if let Some(rays) = self.rays.as_ref().filter(|rays| rays.has_classes()) {
+            self.row.class.extend((0..n).map(|lane| rays.class(at(lane))));
+        }
+        let span = self.table.opacity(n, neighbour(1, 1, 1), &self.row.magnitude, &self.row.class, out);
         out.span = if self.skip { span } else { (0, n) };
         let (from, to) = out.span;
         for colour in &mut out.colour {
@@ -105,13 +126,13 @@ impl AbcLanes {
             return;
         }
         if !two_dimensional {
-            self.gradient_stage(from, to, neighbour);
+            self.gradient_stage(from, to, neighbour, at);
             self.normal_stage(from, to);
         }
         self.table.colour(from, to, neighbour(1, 1, 1), out);
         match self.shading.take() {
             Some(Shading::Phong(phong)) => {
-                self.phong_stage(from, to, &phong);
+                self.phong_stage(from, to, &phong, at);
                 self.light_stage(from, to, out);
                 self.shading = Some(Shading::Phong(phong));
             }
@@ -125,8 +146,7 @@ impl AbcLanes {
         if let Some(cue) = self.cue {
             let shift = self.words.rounding.by(LinearFactor::WORD_BITS);
             for lane in from..to {
-                let [u, v, k] = at(lane);
-                let factor = i64::from(cue.word(u, v, k));
+                let factor = i64::from(LinearFactor::word(geometry.evaluate(&cue.factor, at(lane))));
                 for colour in &mut out.colour {
                     colour[lane] = shift.apply(i64::from(colour[lane]) * factor) as u32;
                 }
@@ -159,6 +179,7 @@ impl AbcLanes {
         from: usize,
         to: usize,
         neighbour: impl Fn(usize, usize, usize) -> &'a [i32] + Copy,
+        at: impl Fn(usize) -> [i64; 3] + Copy,
     ) {
         let row = &mut self.row;
         row.overflow.resize(to.max(row.overflow.len()), 0);
@@ -169,8 +190,24 @@ impl AbcLanes {
         let most = to.max(row.gradient[0].len());
         resize(&mut row.gradient, most);
         let [u, v, w] = &mut row.gradient;
-        let out = [&mut u[from..to], &mut v[from..to], &mut w[from..to]];
-        gradient.run(from, neighbour, out, &mut row.overflow[from..to]);
+        let Some(rays) = self.rays.as_ref().filter(|_| from < to) else {
+            let out = [&mut u[from..to], &mut v[from..to], &mut w[from..to]];
+            return gradient.run(from, neighbour, out, &mut row.overflow[from..to]);
+        };
+        // Where rays turn from running against u to running along it, the neighbourhood turns.
+        let mirrored = rays.mirrored(at(from));
+        let turn = (from..to).find(|&lane| rays.mirrored(at(lane))[0] != mirrored[0]).unwrap_or(to);
+        for (from, to) in [(from, turn), (turn, to)] {
+            if from < to {
+                let mirrored = rays.mirrored(at(from));
+                rays.local(from, to, at, &mut row.local);
+                let out = [&mut u[from..to], &mut v[from..to], &mut w[from..to]];
+                let turned = |i: usize, mirrored: bool| if mirrored { 2 - i } else { i };
+                let neighbour =
+                    |w: usize, v: usize, u: usize| neighbour(w, turned(v, mirrored[1]), turned(u, mirrored[0]));
+                gradient.run_local(from, neighbour, &row.local, mirrored, out, &mut row.overflow[from..to]);
+            }
+        }
     }
 
     #[inline(always)]
@@ -189,7 +226,7 @@ impl AbcLanes {
     }
 
     #[inline(always)]
-    fn phong_stage(&mut self, from: usize, to: usize, phong: &Phong) {
+    fn phong_stage(&mut self, from: usize, to: usize, phong: &Phong, at: impl Fn(usize) -> [i64; 3] + Copy) {
         let row = &mut self.row;
         let most = to.max(row.power.len());
         resize(&mut row.cosine, most);
@@ -202,9 +239,17 @@ impl AbcLanes {
         }
         let words = &self.words;
         let narrow = words.colour_bits + 3 + words.normal_bits <= 31;
-        for light in &phong.lights {
-            for (cosine, direction) in row.cosine.iter_mut().zip([light.direction, light.halfway]) {
-                dot(&row.direction, direction, phong.two_sided, words, from, &mut cosine[from..to]);
+        for (number, light) in phong.lights.iter().enumerate() {
+            if let Some(rays) = &self.rays {
+                rays.towards(number, light.direction, from, to, at, &mut row.towards);
+                for (cosine, towards) in row.cosine.iter_mut().zip(&row.towards) {
+                    let towards = |lane: usize| [towards[0][lane], towards[1][lane], towards[2][lane]];
+                    dot(&row.direction, towards, phong.two_sided, words, from, &mut cosine[from..to]);
+                }
+            } else {
+                for (cosine, direction) in row.cosine.iter_mut().zip([light.direction, light.halfway]) {
+                    dot(&row.direction, |_| direction, phong.two_sided, words, from, &mut cosine[from..to]);
+                }
             }
             let [towards, half] = &row.cosine;
             let (towards, half, power) = (&towards[from..to], &half[from..to], &mut row.power[from..to]);
@@ -304,9 +349,16 @@ impl AsWord for u32 {
     }
 }
 
-/// The cosine between directions and a light.
+/// The cosine between directions and a light, which may be another one for each lane, counted from `from`.
 #[inline(always)]
-fn dot(direction: &[Vec<i32>; 3], light: [i32; 3], two_sided: bool, words: &Words, from: usize, out: &mut [i32]) {
+fn dot(
+    direction: &[Vec<i32>; 3],
+    light: impl Fn(usize) -> [i32; 3],
+    two_sided: bool,
+    words: &Words,
+    from: usize,
+    out: &mut [i32],
+) {
     let n = out.len();
     let [u, v, w] = direction;
     let (u, v, w) = (&u[from..][..n], &v[from..][..n], &w[from..][..n]);
@@ -315,11 +367,13 @@ fn dot(direction: &[Vec<i32>; 3], light: [i32; 3], two_sided: bool, words: &Word
     let shift = words.rounding.by(words.normal_bits - 1);
     if two_sided {
         for lane in 0..n {
+            let light = light(lane);
             let dot = u[lane] * light[0] + v[lane] * light[1] + w[lane] * light[2];
             out[lane] = shift.apply32(dot.abs()).min(one);
         }
     } else {
         for lane in 0..n {
+            let light = light(lane);
             let dot = u[lane] * light[0] + v[lane] * light[1] + w[lane] * light[2];
             out[lane] = shift.apply32(dot.max(0)).min(one);
         }
@@ -401,8 +455,10 @@ fn normalise(row: &mut Scratch, table: &Normaliser, words: &Words, from: usize, 
 /// The classification tables, a word for opacity and colour together.
 #[derive(Clone, Debug)]
 struct ClassifyLanes {
-    /// Opacity, red, green, blue in 16 bits each; the opacity is that of row 0.
+    /// Opacity, red, green, blue in 16 bits each; the opacity is that of row 0. A table for each class of step lengths.
     packed: Vec<u64>,
+    /// Entries of one class.
+    width: usize,
     opacity: Vec<u32>,
     shift: u32,
     threshold: [u32; 2],
@@ -415,6 +471,7 @@ impl ClassifyLanes {
         let packed = table
             .colour
             .iter()
+            .cycle()
             .zip(&table.opacity)
             .map(|(colour, &opacity)| {
                 u64::from(opacity)
@@ -426,6 +483,7 @@ impl ClassifyLanes {
         let last = (table.colour.len() as u32).wrapping_shl(table.index_shift).wrapping_sub(1);
         ClassifyLanes {
             packed,
+            width: table.colour.len(),
             opacity: if table.gradient_rows.is_some() { table.opacity.clone() } else { Vec::new() },
             shift: table.index_shift,
             threshold: table.threshold,
@@ -436,19 +494,34 @@ impl ClassifyLanes {
 
     /// Opacities of all lanes, and the span in which they are not 0.
     #[inline(always)]
-    fn opacity(&self, n: usize, samples: &[i32], magnitude: &[u32], out: &mut ShadedRow) -> (usize, usize) {
-        let width = self.packed.len();
+    fn opacity(
+        &self,
+        n: usize,
+        samples: &[i32],
+        magnitude: &[u32],
+        class: &[u32],
+        out: &mut ShadedRow,
+    ) -> (usize, usize) {
+        let width = self.width;
         let packed = self.packed.as_slice();
         let (opacity, samples) = (&mut out.opacity[..n], &samples[..n]);
         match self.rows {
-            None => {
+            None if class.is_empty() => {
                 for lane in 0..n {
                     opacity[lane] = packed[((samples[lane] as u32) >> self.shift) as usize] as u32 & 0xffff;
                 }
             }
+            None => {
+                let class = &class[..n];
+                for lane in 0..n {
+                    let place = class[lane] as usize * width + ((samples[lane] as u32) >> self.shift) as usize;
+                    opacity[lane] = packed[place] as u32 & 0xffff;
+                }
+            }
             Some((shift, last)) => {
                 for lane in 0..n {
-                    let row = (magnitude[lane] >> shift).min(last) as usize;
+                    let class = class.get(lane).map_or(0, |&class| class * (last + 1));
+                    let row = (class + (magnitude[lane] >> shift).min(last)) as usize;
                     opacity[lane] = self.opacity[row * width + ((samples[lane] as u32) >> self.shift) as usize];
                 }
             }
@@ -495,6 +568,7 @@ struct GradientLanes {
     factors: Option<[u32; 3]>,
     lerp: Shift,
     scaling: Shift,
+    whole: Shift,
     drop: Shift,
     top: i32,
     narrow: bool,
@@ -515,6 +589,7 @@ impl GradientLanes {
             factors: registers.scale.map(|scale| scale.factors),
             lerp: words.rounding.by(words.weight_bits),
             scaling: words.rounding.by(GradientScale::FACTOR_BITS - kept),
+            whole: words.rounding.by(GradientScale::FACTOR_BITS),
             drop: words.rounding.by(words.gradient_drop() + extra),
             top: ((1_i64 << (words.gradient_bits + kept - 1)) - 1) as i32,
             narrow: bits + weight_bits <= 30,
@@ -598,11 +673,97 @@ impl GradientLanes {
         }
     }
 
+    /// The gradient with weights and factors for each lane; see [`golden::local_gradient`]. `neighbour` gives the neighbourhood as it
+    /// is `mirrored`.
+    #[inline(always)]
+    fn run_local<'a>(
+        &self,
+        from: usize,
+        neighbour: impl Fn(usize, usize, usize) -> &'a [i32] + Copy,
+        local: &LocalRows,
+        mirrored: [bool; 2],
+        out: [&mut [i32]; 3],
+        overflow: &mut [u32],
+    ) {
+        let n = overflow.len();
+        let rows: Rows = [0, 1, 2].map(|w| [0, 1, 2].map(|v| [0, 1, 2].map(|u| &neighbour(w, v, u)[from..from + n])));
+        if self.narrow {
+            self.local::<false>(&rows, local, mirrored, out, overflow);
+        } else {
+            self.local::<true>(&rows, local, mirrored, out, overflow);
+        }
+    }
+
+    #[inline(always)]
+    fn local<const WIDE: bool>(
+        &self,
+        rows: &Rows,
+        local: &LocalRows,
+        mirrored: [bool; 2],
+        [u, v, w]: [&mut [i32]; 3],
+        overflow: &mut [u32],
+    ) {
+        let n = overflow.len();
+        let (u, v, w) = (&mut u[..n], &mut v[..n], &mut w[..n]);
+        let weighs = matches!(self.method, GradientMethod::TwentySix | GradientMethod::TwentySixSheared);
+        if weighs {
+            weighted(|a, b| [rows[a][b][2], rows[a][b][0]], u);
+            weighted(|a, b| [rows[a][2][b], rows[a][0][b]], v);
+            weighted(|a, b| [rows[2][a][b], rows[0][a][b]], w);
+        } else {
+            subtract(rows[1][1][2], rows[1][1][0], u);
+            subtract(rows[1][2][1], rows[1][0][1], v);
+            if self.method == GradientMethod::Twelve {
+                let slice = |w: usize, v: usize, u: usize| {
+                    [rows[w][1][1], rows[w][1][u], rows[w][v][1], rows[w][v][u]].map(|row| &row[..n])
+                };
+                let (behind, before) = (slice(2, 0, 0), slice(0, 2, 2));
+                let [behind_u, behind_v] = local.behind.each_ref().map(|weights| &weights[..n]);
+                let [before_u, before_v] = local.before.each_ref().map(|weights| &weights[..n]);
+                for i in 0..n {
+                    let far = bilinear::<WIDE>(behind.map(|row| row[i]), behind_u[i], behind_v[i], self.lerp);
+                    let near = bilinear::<WIDE>(before.map(|row| row[i]), before_u[i], before_v[i], self.lerp);
+                    w[i] = far - near;
+                }
+            } else {
+                subtract(rows[2][1][1], rows[0][1][1], w);
+            }
+        }
+        if let Some(nearness) = &local.nearness {
+            for (word, &near) in w.iter_mut().zip(nearness) {
+                *word = self.whole.apply(i64::from(*word) * i64::from(near)) as i32;
+            }
+        }
+        if matches!(self.method, GradientMethod::SixSheared | GradientMethod::TwentySixSheared) {
+            let [du, dv] = local.here.each_ref().map(|weights| &weights[..n]);
+            for i in 0..n {
+                let along = if WIDE {
+                    self.lerp.apply(i64::from(u[i]) * i64::from(du[i]) + i64::from(v[i]) * i64::from(dv[i])) as i32
+                } else {
+                    self.lerp.apply32(u[i] * du[i] + v[i] * dv[i])
+                };
+                w[i] -= along;
+            }
+        }
+        for (component, mirrored) in [&mut *u, &mut *v].into_iter().zip(mirrored) {
+            if mirrored {
+                component.iter_mut().for_each(|word| *word = -*word);
+            }
+        }
+        for (component, factors) in [&mut *u, &mut *v, &mut *w].into_iter().zip(&local.factors) {
+            let factors = &factors[..n];
+            for i in 0..n {
+                component[i] = mul::<WIDE>(component[i], factors[i], self.scaling);
+            }
+        }
+        self.drop_low_bits([u, v, w], overflow);
+    }
+
     /// Scales differences, drops their low bits, and holds them to the gradient's word.
     #[inline(always)]
-    fn hold<const WIDE: bool>(&self, components: [&mut [i32]; 3], overflow: &mut [u32]) {
+    fn hold<const WIDE: bool>(&self, mut components: [&mut [i32]; 3], overflow: &mut [u32]) {
         let n = overflow.len();
-        for (i, component) in components.into_iter().enumerate() {
+        for (i, component) in components.iter_mut().enumerate() {
             let component = &mut component[..n];
             if let Some(factors) = self.factors {
                 let factor = factors[i] as i32;
@@ -610,6 +771,15 @@ impl GradientLanes {
                     *word = mul::<WIDE>(*word, factor, self.scaling);
                 }
             }
+        }
+        self.drop_low_bits(components, overflow);
+    }
+
+    #[inline(always)]
+    fn drop_low_bits(&self, components: [&mut [i32]; 3], overflow: &mut [u32]) {
+        let n = overflow.len();
+        for component in components {
+            let component = &mut component[..n];
             for lane in 0..n {
                 let dropped = self.drop.apply32(component[lane]);
                 let held = dropped.clamp(-self.top - 1, self.top);

@@ -9,6 +9,7 @@
 
 pub mod golden;
 pub mod lanes;
+mod perspective;
 mod unit;
 
 pub use unit::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, ShadedSamples, Shader, reach};

@@ -172,9 +172,11 @@ impl Shade for Shader {
         let border = setup.gradient.map_or(0, |registers| registers.border);
         self.neighbour(setup, &rays, [0; 3], border);
         if let Some(registers) = &setup.gradient {
+            let mirrored = rays.first().map_or([false; 2], |ray| geometry.mirrored(*ray));
             for place in 0..27 {
                 let by = [place % 3 - 1, place / 3 % 3 - 1, place / 9 - 1];
-                if by != [0; 3] && reads(registers.method, by) {
+                let turned = [0, 1].map(|axis| if mirrored[axis] { -by[axis] } else { by[axis] });
+                if by != [0; 3] && reads(registers.method, [turned[0], turned[1], by[2]]) {
                     self.neighbour(setup, &rays, by, border);
                 } else if by != [0; 3] {
                     self.around[place as usize].resize(depths, 0);
@@ -188,17 +190,21 @@ impl Shade for Shader {
         let mut row = std::mem::take(&mut self.row);
         row.present.clear();
         row.present.extend(rays.iter().enumerate().map(|(k, ray)| {
-            let inside = |clip: &cube3_host::HalfSpace| clip.distance.at(ray.u, ray.v, k as i64) >= 0;
+            let inside =
+                |clip: &cube3_host::HalfSpace| geometry.evaluate(&clip.distance, [ray.u, ray.v, k as i64]) >= 0;
             u8::from(geometry.has_sample(*ray, k as i64) && setup.clips.iter().all(inside))
         }));
         let (around, rays) = (&self.around, &rays);
         let arithmetic = &mut self.arithmetic;
+        if let Some(ray) = rays.first() {
+            arithmetic.aim(ray.v, ray.u..ray.u + 1);
+        }
         vectorised(
             #[inline(always)]
             || {
                 let neighbour = |w: usize, v: usize, u: usize| around[w * 9 + v * 3 + u].as_slice();
                 let at = |k: usize| [rays[k].u, rays[k].v, k as i64];
-                arithmetic.shade(depths, neighbour, at, &mut row);
+                arithmetic.shade(depths, neighbour, at, geometry, &mut row);
             },
         );
         self.overflows += row.overflows;

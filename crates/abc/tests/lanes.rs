@@ -57,10 +57,10 @@ fn run(lanes: &mut AbcLanes, row: &Row, setup: &FrameSetup, vectors: bool, out: 
     if vectors {
         vectorised(
             #[inline(always)]
-            || lanes.shade(n, neighbour, |lane| at[lane], out),
+            || lanes.shade(n, neighbour, |lane| at[lane], &setup.geometry, out),
         );
     } else {
-        lanes.shade(n, neighbour, |lane| at[lane], out);
+        lanes.shade(n, neighbour, |lane| at[lane], &setup.geometry, out);
     }
 }
 

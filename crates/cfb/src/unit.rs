@@ -27,7 +27,7 @@ pub struct Beam<D> {
     pub data: D,
 }
 
-/// The voxels of a beam in lane order.
+/// The voxels of a beam in lane order; where slots need their own cells, of two beams one after the other.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct VoxelBeam(pub Vec<u16>);
 
@@ -36,8 +36,9 @@ pub trait Fetch {
     /// What a beam carries.
     type Output: Payload;
 
-    /// Reads the beam along u at row `v` and plane `w`.
-    fn fetch(&self, setup: &FrameSetup, v: usize, w: usize, output: &mut Self::Output);
+    /// Reads the beam along u at row `v` and plane `w`; where slots need their own cells, also the one that the rays of `plane` have
+    /// below it.
+    fn fetch(&self, setup: &FrameSetup, plane: usize, v: usize, w: usize, output: &mut Self::Output);
 
     /// Takes words of the volumes that come in, counted from the first word of the first.
     fn write(&mut self, words: Range<u64>);
@@ -54,7 +55,7 @@ impl Fetch for NoVoxels {
     type Output = ();
 
     #[inline(always)]
-    fn fetch(&self, _: &FrameSetup, _: usize, _: usize, _: &mut ()) {}
+    fn fetch(&self, _: &FrameSetup, _: usize, _: usize, _: usize, _: &mut ()) {}
 
     #[inline(always)]
     fn write(&mut self, _: Range<u64>) {}
@@ -66,8 +67,16 @@ impl Fetch for NoVoxels {
 impl Fetch for FrameBuffer {
     type Output = VoxelBeam;
 
-    fn fetch(&self, setup: &FrameSetup, v: usize, w: usize, output: &mut VoxelBeam) {
-        FrameBuffer::fetch(self, &setup.geometry.axes, v, w, &mut output.0);
+    fn fetch(&self, setup: &FrameSetup, plane: usize, v: usize, w: usize, output: &mut VoxelBeam) {
+        let geometry = &setup.geometry;
+        FrameBuffer::fetch(self, &geometry.axes, v, w, &mut output.0);
+        if geometry.doubled() {
+            let mut below = vec![0; output.0.len()];
+            if let Some(v) = geometry.row_below(plane, w) {
+                FrameBuffer::fetch(self, &geometry.axes, v, w, &mut below);
+            }
+            output.0.append(&mut below);
+        }
     }
 
     fn write(&mut self, words: Range<u64>) {
@@ -271,7 +280,7 @@ impl<F: Fetch> CfbUnit<F> {
             beam.depth = depth;
             beam.row = row;
             if let Some(v) = row {
-                self.memory.fetch(setup, v as usize, depth as usize, &mut beam.data);
+                self.memory.fetch(setup, plane as usize, v as usize, depth as usize, &mut beam.data);
                 self.state.fetched += 1;
                 if let Some(port) = &mut self.port {
                     port.fetched();
@@ -315,6 +324,11 @@ impl<F> Archived for CfbUnit<F> {
 /// The row of the volume that plane `plane` of ray slots has at a depth.
 #[inline]
 pub(crate) fn row(geometry: &Geometry, plane: u32, depth: u32) -> Option<u32> {
+    if let Some(pass) = &geometry.perspective {
+        return u32::try_from(pass.v.near(plane as usize, depth as usize))
+            .ok()
+            .filter(|&row| row < geometry.size[1] as u32);
+    }
     let rows = geometry.size[1] as u32;
     let shift = geometry.v.columns[depth as usize];
     match geometry.slots {

@@ -1,7 +1,7 @@
-//! The fast bus on its channels: a rotation of each beam.
+//! The fast bus on its channels: a rotation of each beam, in perspective a monotone gather (de-fan).
 //!
 //! ```text
-//!   [beams] ──► turn by X(k) and the skews ──► [aligned]
+//!   [beams] ──► turn by X(k) and the skews, or gather by the fan ──► [aligned]
 //!               channels × slices; links between boards
 //! ```
 
@@ -13,15 +13,23 @@ use cube3_channel::{
 use cube3_host::{FrameSetup, Geometry, MachineSpec};
 use serde::{Deserialize, Serialize};
 
-/// What the bus does with a beam: turns its voxels, or nothing where only time counts.
+/// What the bus does with a beam: turns or gathers its voxels, or nothing where only time counts.
 pub trait Align {
     /// What beams carry before.
     type Input: Default;
     /// What beams carry after.
     type Output: Payload;
 
-    /// Aligns the beam of row `v` at a depth.
-    fn align(&self, setup: &FrameSetup, v: usize, depth: usize, input: &Self::Input, output: &mut Self::Output);
+    /// Aligns the beam of row `v` of a plane at a depth.
+    fn align(
+        &self,
+        setup: &FrameSetup,
+        plane: usize,
+        v: usize,
+        depth: usize,
+        input: &Self::Input,
+        output: &mut Self::Output,
+    );
 }
 
 /// A bus for timing alone.
@@ -33,15 +41,26 @@ impl Align for NoBus {
     type Output = ();
 
     #[inline(always)]
-    fn align(&self, _: &FrameSetup, _: usize, _: usize, _: &(), _: &mut ()) {}
+    fn align(&self, _: &FrameSetup, _: usize, _: usize, _: usize, _: &(), _: &mut ()) {}
 }
 
 impl Align for Rotator {
     type Input = VoxelBeam;
     type Output = VoxelBeam;
 
-    fn align(&self, setup: &FrameSetup, v: usize, depth: usize, input: &VoxelBeam, output: &mut VoxelBeam) {
-        Rotator::align(self, &setup.geometry, v, depth, &input.0, &mut output.0);
+    fn align(
+        &self,
+        setup: &FrameSetup,
+        plane: usize,
+        v: usize,
+        depth: usize,
+        input: &VoxelBeam,
+        output: &mut VoxelBeam,
+    ) {
+        match &setup.geometry.perspective {
+            None => Rotator::align(self, &setup.geometry, v, depth, &input.0, &mut output.0),
+            Some(_) => self.gather(&setup.geometry, plane, depth, &input.0, &mut output.0),
+        }
     }
 }
 
@@ -207,7 +226,8 @@ impl<B: Align> BusUnit<B> {
         output.depth = beam.depth;
         output.row = beam.row;
         if let Some(v) = beam.row {
-            self.wires.align(&frames[frame], v as usize, beam.depth as usize, &beam.data, &mut output.data);
+            let [plane, depth] = [beam.plane, beam.depth].map(|i| i as usize);
+            self.wires.align(&frames[frame], plane, v as usize, depth, &beam.data, &mut output.data);
             self.state.words += spec.words;
         }
         let empty = beam.row.is_none();

@@ -25,12 +25,45 @@ impl Rotator {
     }
 }
 
-/// The skewed buffers' planes of voxels: a ring, and one more that keeps the first plane.
+impl Rotator {
+    /// De-fans the beam of a perspective plane at a depth: each slot takes the voxel of its column. Where slots need their own cells,
+    /// the beam has two rows, and four beams come out: columns L and R of the row, and of the row below. Slots without a voxel
+    /// are 0.
+    pub fn gather(&self, geometry: &Geometry, plane: usize, depth: usize, beam: &[u16], aligned: &mut Vec<u16>) {
+        aligned.clear();
+        let Some(pass) = &geometry.perspective else {
+            return;
+        };
+        let width = geometry.size[0].div_ceil(self.lanes) * self.lanes;
+        let slots = pass.u.count().div_ceil(self.lanes) * self.lanes;
+        let rows = [geometry.row_at(pass.v.first + plane as i64, depth), geometry.row_below(plane, depth)];
+        for (row, beam) in rows.into_iter().zip(beam.chunks(width)) {
+            let columns = [pass.u.near_row(depth), pass.u.right_row(depth)];
+            for columns in &columns[..if pass.doubled { 2 } else { 1 }] {
+                let start = aligned.len();
+                aligned.resize(start + slots, 0);
+                let Some(row) = row else {
+                    continue;
+                };
+                for (j, &x) in columns.iter().enumerate().filter(|(_, x)| (0..geometry.size[0] as i32).contains(x)) {
+                    let x = x as usize;
+                    let from = x / self.lanes * self.lanes + output_lane(self.lanes, [x, row, depth]);
+                    aligned[start + beam_lane(self.lanes, j, depth)] = beam[from];
+                }
+            }
+        }
+    }
+}
+
+/// The skewed buffers' planes of voxels: a ring, and one more that keeps the first plane. Where slots need their own cells, a
+/// plane holds four voxels for each slot and depth.
 #[derive(Clone, Debug)]
 pub struct PlaneStore {
     lanes: usize,
     depths: usize,
     width: usize,
+    /// Voxels of a slot at a depth: one, or the four of the near or far side of its cell.
+    copies: usize,
     ring: Vec<Vec<u16>>,
     first: Vec<u16>,
 }
@@ -41,14 +74,16 @@ impl PlaneStore {
         let [slots, _] = geometry.slot_counts();
         let depths = geometry.size[2];
         let width = slots.div_ceil(lanes) * lanes;
-        let words = width * depths;
+        let copies = if geometry.doubled() { 4 } else { 1 };
+        let words = width * depths * copies;
         let first = if geometry.closes()[1] { vec![0; words] } else { Vec::new() };
-        PlaneStore { lanes, depths, width, ring: vec![vec![0; words]; planes], first }
+        PlaneStore { lanes, depths, width, copies, ring: vec![vec![0; words]; planes], first }
     }
 
     /// Writes an aligned beam; none writes a row of zeros.
     pub fn write(&mut self, plane: usize, depth: usize, beam: Option<&[u16]>) {
-        let range = depth * self.width..(depth + 1) * self.width;
+        let width = self.width * self.copies;
+        let range = depth * width..(depth + 1) * width;
         let place = plane % self.ring.len();
         match beam {
             Some(beam) => self.ring[place][range.clone()].copy_from_slice(beam),
@@ -63,13 +98,25 @@ impl PlaneStore {
     /// Reads ray slot `j` of a plane in lane order; `kept` reads the plane that was kept from the start. Unused
     /// lanes are 0.
     pub fn read(&self, plane: usize, kept: bool, j: usize, ray: &mut Vec<u16>) {
-        let buffer = if kept { &self.first } else { &self.ring[plane % self.ring.len()] };
         ray.clear();
-        ray.resize(self.depths.div_ceil(self.lanes) * self.lanes, 0);
+        self.read_copy(plane, kept, j, 0, ray);
+    }
+
+    /// Whether a slot has its own cell.
+    pub(crate) fn has_cells(&self) -> bool {
+        self.copies > 1
+    }
+
+    /// Appends copy `copy` of ray slot `j`; see [`Rotator::gather`] for their order.
+    pub(crate) fn read_copy(&self, plane: usize, kept: bool, j: usize, copy: usize, ray: &mut Vec<u16>) {
+        let buffer = if kept { &self.first } else { &self.ring[plane % self.ring.len()] };
+        let start = ray.len();
+        ray.resize(start + self.depths.div_ceil(self.lanes) * self.lanes, 0);
+        let ray = &mut ray[start..];
         let chunk = j / self.lanes * self.lanes;
         let mut module = j % self.lanes;
         for k in 0..self.depths {
-            ray[k / self.lanes * self.lanes + module] = buffer[k * self.width + chunk + module];
+            ray[k / self.lanes * self.lanes + module] = buffer[(k * self.copies + copy) * self.width + chunk + module];
             module += 1;
             if module == self.lanes {
                 module = 0;
@@ -80,7 +127,7 @@ impl PlaneStore {
 
 impl Archived for PlaneStore {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let PlaneStore { lanes: _, depths: _, width: _, ring, first } = self;
+        let PlaneStore { lanes: _, depths: _, width: _, copies: _, ring, first } = self;
         ring.iter_mut().try_for_each(|plane| archive.list(plane))?;
         archive.list(first)
     }

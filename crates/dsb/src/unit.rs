@@ -25,12 +25,13 @@ pub struct RayPair<D> {
     pub data: D,
 }
 
-/// The voxels of a ray slot in two planes, in lane order.
+/// The voxels of a ray slot in two planes, in lane order. Where slots need their own cells, two rays one after the other: of
+/// column L and of column R.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RayVoxels {
     /// Plane i.
     pub current: Vec<u16>,
-    /// Plane i + 1; zeros beyond the last.
+    /// Plane i + 1, or the row below plane i; zeros beyond the last.
     pub below: Vec<u16>,
 }
 
@@ -80,6 +81,14 @@ impl Store for PlaneStore {
     }
 
     fn read(&self, plane: usize, below: Option<usize>, kept: bool, j: usize, output: &mut RayVoxels) {
+        if self.has_cells() {
+            for (copy, ray) in [&mut output.current, &mut output.below].into_iter().enumerate() {
+                ray.clear();
+                self.read_copy(plane, false, j, 2 * copy, ray);
+                self.read_copy(plane, false, j, 2 * copy + 1, ray);
+            }
+            return;
+        }
         PlaneStore::read(self, plane, false, j, &mut output.current);
         match below {
             Some(below) => PlaneStore::read(self, below, kept, j, &mut output.below),

@@ -69,6 +69,14 @@ impl Axes {
         xyz
     }
 
+    /// The canonical position of voxel coordinates x, y, z in a volume of `size` (u, v, w).
+    pub fn canonical_position(&self, size: [usize; 3], xyz: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|i| {
+            let along = xyz[self.axis[i]];
+            if self.reversed[i] { (size[i] - 1) as f64 - along } else { along }
+        })
+    }
+
     /// The voxel index x, y, z of the canonical voxel `uvw` in a volume of `size` (u, v, w).
     pub fn voxel(&self, size: [usize; 3], uvw: [usize; 3]) -> [usize; 3] {
         let mut xyz = [0; 3];
@@ -105,6 +113,7 @@ mod tests {
         assert_eq!(size, [5, 6, 7]);
         assert_eq!(view.axes.voxel(size, [0, 0, 0]), [4, 0, 6]);
         assert_eq!(view.axes.voxel_position(size, [0.5, 0.0, 1.0]), [3.5, 0.0, 5.0]);
+        assert_eq!(view.axes.canonical_position(size, [3.5, 0.0, 5.0]), [0.5, 0.0, 1.0]);
         let canonical = view.axes.to_canonical(DVec3::new(-0.3, 0.2, -0.9));
         assert_eq!(canonical, [0.3, 0.2, 0.9]);
         assert_eq!(view.axes.to_world(canonical), DVec3::new(-0.3, 0.2, -0.9));

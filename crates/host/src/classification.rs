@@ -1,7 +1,7 @@
 //! The classification tables: opacity and colour over the sample word.
 
-use crate::{Basis, Classification, Geometry, GradientRows, MachineSpec, VolumeInfo, gradient_scale, step_length};
-use cube3_scene::{Mode, Scene, corrected_opacity};
+use crate::{Basis, Classification, GradientRows, MachineSpec, VolumeInfo, gradient_scale};
+use cube3_scene::{Scene, corrected_opacity};
 use cube3_word::{quantise_unit, unit_full};
 
 /// Rows of the opacity table, where the scene's opacity depends on the gradient.
@@ -33,12 +33,12 @@ fn magnitude_unit(machine: &MachineSpec, volume: &VolumeInfo, basis: &Basis) -> 
     value * dropped * 0.5 * smallest / length
 }
 
-/// The tables, each entry for the middle of the samples (and magnitudes) that share it.
+/// The tables, each entry for the middle of the samples (and magnitudes) that share it; opacity for each of the step `lengths`.
 pub(crate) fn tables(
     scene: &Scene,
     machine: &MachineSpec,
     volume: &VolumeInfo,
-    geometry: &Geometry,
+    lengths: &[f64],
     rows: Option<GradientRows>,
     basis: &Basis,
 ) -> Classification {
@@ -51,22 +51,20 @@ pub(crate) fn tables(
     let wide = f64::from(1_u32 << index_shift);
     let values: Vec<f64> =
         (0..1_u32 << words.table_bits).map(|index| value_of((f64::from(index) + 0.5) * wide - 0.5)).collect();
-    let length = match scene.mode {
-        Mode::Composite if scene.transfer.opacity_correction => step_length(geometry, volume.spacing),
-        _ => 1.0,
-    };
-    let opacity = |value: f64, magnitude: f64| {
+    let opacity = |length: f64, value: f64, magnitude: f64| {
         quantise_unit(corrected_opacity(scene.transfer.opacity_at(value, magnitude), length), words.opacity_bits)
     };
     let unit = magnitude_unit(machine, volume, basis);
     let row_count = rows.map_or(1, |rows| rows.rows);
     let row_width = rows.map_or(0.0, |rows| f64::from(1_u32 << rows.shift));
-    let opacity = (0..row_count)
-        .flat_map(|row| {
+    let opacity = lengths
+        .iter()
+        .flat_map(|&length| (0..row_count).map(move |row| (length, row)))
+        .flat_map(|(length, row)| {
             let magnitude = ((f64::from(row) + 0.5) * row_width - 0.5).max(0.0) * unit;
-            values.iter().map(move |&value| (value, magnitude))
+            values.iter().map(move |&value| (length, value, magnitude))
         })
-        .map(|(value, magnitude)| opacity(value, magnitude))
+        .map(|(length, value, magnitude)| opacity(length, value, magnitude))
         .collect();
     let colour = values
         .iter()

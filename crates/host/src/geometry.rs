@@ -1,6 +1,7 @@
-//! The geometry of a parallel frame: discrete rays, ray slots, and which samples lie in the volume.
+//! The geometry of a frame: discrete rays, ray slots, and which samples lie in the volume.
 
-use crate::{Axes, SLOPE_FRACTION_BITS, Template, TemplateRule};
+use crate::perspective::{PLACE_BITS, Perspective};
+use crate::{Axes, Linear, SLOPE_FRACTION_BITS, Template, TemplateRule};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -15,17 +16,18 @@ pub enum RaySlots {
     Padded,
 }
 
-/// The geometry registers of a parallel frame, in canonical coordinates.
+/// The geometry registers of a frame, in canonical coordinates.
 ///
-/// Sample k of ray (u, v) is at `(u + (k+o)·du, v + (k+o)·dv, k+o)`. Rays are numbered as their base-plane pixel:
-/// u from `−X(n_w−1)` to `n_u − 1`.
+/// In a parallel frame sample k of ray (u, v) is at `(u + (k+o)·du, v + (k+o)·dv, k+o)`. Rays are numbered as their
+/// base-plane pixel: u from `−X(n_w−1)` to `n_u − 1`. In perspective each ray has registers of its own, its number is the place
+/// at which it crosses the grid plane, and it has one slot for all depths; slopes and templates are then empty.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Geometry {
     /// n_u, n_v, n_w.
     pub size: [usize; 3],
     /// The voxel axes behind u, v, w.
     pub axes: Axes,
-    /// du and dv, fractions of [`SLOPE_FRACTION_BITS`].
+    /// du and dv of a parallel frame, fractions of [`SLOPE_FRACTION_BITS`].
     pub slopes: [u32; 2],
     /// The sample offset o, a fraction of `weight_bits`, below 1.
     pub offset: u32,
@@ -35,23 +37,25 @@ pub struct Geometry {
     pub rule: TemplateRule,
     /// How rays share slots.
     pub slots: RaySlots,
-    /// Columns and weights along u.
+    /// Columns and weights along u of a parallel frame.
     pub u: Template,
-    /// Rows and weights along v.
+    /// Rows and weights along v of a parallel frame.
     pub v: Template,
+    /// The rays of a perspective pass.
+    pub perspective: Option<Perspective>,
 }
 
 /// A discrete ray, by its base-plane pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct DiscreteRay {
-    /// Column of the pixel, −X(n_w−1) to n_u − 1.
+    /// Column of the pixel, in a parallel frame −X(n_w−1) to n_u − 1.
     pub u: i64,
-    /// Row of the pixel, −Y(n_w−1) to n_v − 1.
+    /// Row of the pixel, in a parallel frame −Y(n_w−1) to n_v − 1.
     pub v: i64,
 }
 
 impl Geometry {
-    /// Makes the templates. `slopes` and `offset` are register values, the offset legal for the rule.
+    /// A parallel frame: makes the templates. `slopes` and `offset` are register values, the offset legal for the rule.
     pub fn new(
         size: [usize; 3],
         axes: Axes,
@@ -63,7 +67,7 @@ impl Geometry {
     ) -> Geometry {
         let template = |slope| Template::new(rule, slope, offset, weight_bits, size[2]);
         let (u, v) = (template(slopes[0]), template(slopes[1]));
-        Geometry { size, axes, slopes, offset, weight_bits, rule, slots, u, v }
+        Geometry { size, axes, slopes, offset, weight_bits, rule, slots, u, v, perspective: None }
     }
 
     /// Voxels along x, y, z.
@@ -75,7 +79,7 @@ impl Geometry {
         dims
     }
 
-    /// du and dv as reals, exactly what the registers hold.
+    /// du and dv of a parallel frame as reals, exactly what the registers hold.
     pub fn real_slopes(&self) -> [f64; 2] {
         self.slopes.map(|slope| f64::from(slope) / f64::from(1_u32 << SLOPE_FRACTION_BITS))
     }
@@ -85,31 +89,71 @@ impl Geometry {
         f64::from(self.offset) / f64::from(1_u32 << self.weight_bits)
     }
 
-    /// The position of sample `k` of a ray, in canonical voxels.
+    /// The position of sample `k` of a ray of the frame, in canonical voxels.
     pub fn sample_position(&self, ray: DiscreteRay, k: usize) -> [f64; 3] {
-        let [du, dv] = self.real_slopes();
         let depth = k as f64 + self.real_offset();
+        if let Some(pass) = &self.perspective {
+            let [row, column] = self.slot_of(ray);
+            let shape = self.fan_shape();
+            return [pass.u.real_place(column, k, &shape), pass.v.real_place(row, k, &shape), depth];
+        }
+        let [du, dv] = self.real_slopes();
         [ray.u as f64 + depth * du, ray.v as f64 + depth * dv, depth]
     }
 
-    /// X(n_w − 1): how far the discrete rays move along u. Rays start at minus this.
-    pub fn shear_u(&self) -> usize {
-        self.u.columns[self.size[2] - 1] as usize
+    /// Where linear functions take their argument: ray and depth themselves in a parallel frame, where they are linear in
+    /// the sample's position; in perspective that position, fractions of [`PLACE_BITS`].
+    #[inline]
+    pub fn place(&self, [u, v, k]: [i64; 3]) -> [i64; 3] {
+        let Some(pass) = &self.perspective else {
+            return [u, v, k];
+        };
+        let shape = self.fan_shape();
+        let depth = (k << PLACE_BITS) + (i64::from(self.offset) << (PLACE_BITS - self.weight_bits));
+        let k = k as usize;
+        let [column, row] = [(u - pass.u.first) as usize, (v - pass.v.first) as usize];
+        [pass.u.place(column, k, &shape, PLACE_BITS), pass.v.place(row, k, &shape, PLACE_BITS), depth]
     }
 
-    /// Y(n_w − 1): how far the discrete rays move along v.
+    /// The value of a linear function at sample `k` of ray (u, v): [`Linear::at`], in perspective of the sample's place.
+    #[inline]
+    pub fn evaluate(&self, function: &Linear, at: [i64; 3]) -> i64 {
+        match &self.perspective {
+            None => function.at(at[0], at[1], at[2]),
+            Some(_) => function.at_place(self.place(at)),
+        }
+    }
+
+    /// X(n_w − 1): how far the discrete rays of a parallel frame move along u. Rays start at minus this.
+    pub fn shear_u(&self) -> usize {
+        self.u.columns.get(self.size[2] - 1).map_or(0, |&x| x as usize)
+    }
+
+    /// Y(n_w − 1): how far the discrete rays of a parallel frame move along v.
     pub fn shear_v(&self) -> usize {
-        self.v.columns[self.size[2] - 1] as usize
+        self.v.columns.get(self.size[2] - 1).map_or(0, |&y| y as usize)
+    }
+
+    /// The ray of the base plane's first pixel: its numbers along u and v.
+    pub fn first_ray(&self) -> DiscreteRay {
+        match &self.perspective {
+            None => DiscreteRay { u: -(self.shear_u() as i64), v: -(self.shear_v() as i64) },
+            Some(pass) => DiscreteRay { u: pass.u.first, v: pass.v.first },
+        }
     }
 
     /// Width and height of the base plane in pixels: every ray that meets a voxel.
     pub fn base_plane_size(&self) -> [usize; 2] {
-        [self.size[0] + self.shear_u(), self.size[1] + self.shear_v()]
+        match &self.perspective {
+            None => [self.size[0] + self.shear_u(), self.size[1] + self.shear_v()],
+            Some(pass) => [pass.u.count(), pass.v.count()],
+        }
     }
 
     /// The pixel of the base plane, column and row from 0, that belongs to a ray.
     pub fn pixel(&self, ray: DiscreteRay) -> [usize; 2] {
-        [(ray.u + self.shear_u() as i64) as usize, (ray.v + self.shear_v() as i64) as usize]
+        let first = self.first_ray();
+        [(ray.u - first.u) as usize, (ray.v - first.v) as usize]
     }
 
     /// Ray slots in a plane, and planes in a frame.
@@ -128,6 +172,9 @@ impl Geometry {
 
     /// The ray whose voxel is in slot `j` (of plane `i`) at depth `k`.
     pub fn ray_in_slot(&self, i: usize, j: usize, k: usize) -> DiscreteRay {
+        if let Some(pass) = &self.perspective {
+            return DiscreteRay { u: pass.u.first + j as i64, v: pass.v.first + i as i64 };
+        }
         DiscreteRay {
             u: self.ray_in(j, self.size[0], self.u.columns[k], self.shear_u()),
             v: self.ray_in(i, self.size[1], self.v.columns[k], self.shear_v()),
@@ -156,14 +203,67 @@ impl Geometry {
 
     /// The voxel of ray `u` (one axis) at depth `k`: its column, where it is in the volume.
     pub fn column_at(&self, u: i64, k: usize) -> Option<usize> {
-        let x = u + i64::from(self.u.columns[k]);
+        let x = match &self.perspective {
+            None => u + i64::from(self.u.columns[k]),
+            Some(pass) => i64::from(pass.u.near(pass.u.index(u)?, k)),
+        };
         (0..self.size[0] as i64).contains(&x).then_some(x as usize)
     }
 
     /// The voxel of plane `v` (one axis) at depth `k`: its row, where it is in the volume.
     pub fn row_at(&self, v: i64, k: usize) -> Option<usize> {
-        let y = v + i64::from(self.v.columns[k]);
+        let y = match &self.perspective {
+            None => v + i64::from(self.v.columns[k]),
+            Some(pass) => i64::from(pass.v.near(pass.v.index(v)?, k)),
+        };
         (0..self.size[1] as i64).contains(&y).then_some(y as usize)
+    }
+
+    /// Whether a ray of the frame runs against u and against v: only in perspective.
+    pub fn mirrored(&self, ray: DiscreteRay) -> [bool; 2] {
+        let Some(pass) = &self.perspective else {
+            return [false; 2];
+        };
+        let [row, column] = self.slot_of(ray);
+        [pass.u.slopes[column] < 0, pass.v.slopes[row] < 0]
+    }
+
+    /// Whether slots need cells of their own, as rays may share columns: an eye that is near.
+    #[inline]
+    pub fn doubled(&self) -> bool {
+        self.perspective.as_ref().is_some_and(|pass| pass.doubled)
+    }
+
+    /// The row below the cells of plane `i` of slots at depth `k` of a perspective frame, where it is in the volume.
+    pub fn row_below(&self, i: usize, k: usize) -> Option<usize> {
+        let row = self.perspective.as_ref()?.v.right(i, k);
+        usize::try_from(row).ok().filter(|&row| row < self.size[1])
+    }
+
+    /// A corner of the cell of sample `k` of a ray, `[w, v, u]` each 0 or 1 for the near and the far side: its canonical voxel,
+    /// where it is in the volume.
+    pub fn corner(&self, ray: DiscreteRay, k: usize, [w, v, u]: [usize; 3]) -> Option<[usize; 3]> {
+        let depth = Some(k + w).filter(|&depth| depth < self.size[2])?;
+        let Some(pass) = &self.perspective else {
+            return Some([self.column_at(ray.u + u as i64, depth)?, self.row_at(ray.v + v as i64, depth)?, depth]);
+        };
+        let side = |fan: &crate::Fan, ray, far, n: usize| {
+            let i = fan.index(ray)?;
+            let at = if far == 1 { fan.right(i, depth) } else { fan.near(i, depth) };
+            usize::try_from(at).ok().filter(|&at| at < n)
+        };
+        Some([side(&pass.u, ray.u, u, self.size[0])?, side(&pass.v, ray.v, v, self.size[1])?, depth])
+    }
+
+    /// Weights along u and v of sample `k` of a ray of the frame.
+    pub fn weights(&self, ray: DiscreteRay, k: usize) -> [u32; 2] {
+        match &self.perspective {
+            None => [self.u.weights[k], self.v.weights[k]],
+            Some(pass) => {
+                let [row, column] = self.slot_of(ray);
+                [pass.u.weight(column, k), pass.v.weight(row, k)]
+            }
+        }
     }
 
     /// Whether sample `k` of a ray lies in the volume: every voxel that it gives a weight to is there.
@@ -179,6 +279,14 @@ impl Geometry {
 
     /// The rays u of plane `v` that have a sample at depth `k`, a range that may be empty.
     pub fn valid_columns(&self, v: i64, k: usize) -> Range<i64> {
+        if let Some(pass) = &self.perspective {
+            let rows = pass.v.valid(k);
+            if !pass.v.index(v).is_some_and(|row| rows.contains(&row)) {
+                return 0..0;
+            }
+            let columns = pass.u.valid(k);
+            return pass.u.first + columns.start as i64..pass.u.first + columns.end as i64;
+        }
         let far = if self.offset == 0 { k } else { k + 1 };
         if far >= self.size[2] {
             return 0..0;
@@ -198,7 +306,7 @@ impl Geometry {
     /// All samples of the frame.
     pub fn sample_count(&self) -> u64 {
         let [_, rows] = self.base_plane_size();
-        let first = -(self.shear_v() as i64);
+        let first = self.first_ray().v;
         (first..first + rows as i64)
             .flat_map(|v| (0..self.size[2]).map(move |k| (v, k)))
             .map(|(v, k)| {

@@ -6,10 +6,13 @@
 
 mod axes;
 mod classification;
+mod fan;
 mod geometry;
 mod image_plane;
 mod machine;
 mod memory;
+mod perspective;
+mod picture;
 mod registers;
 mod setup;
 mod shading;
@@ -17,6 +20,7 @@ mod template;
 mod warp;
 
 pub use axes::{Axes, CanonicalView, canonical};
+pub use fan::{Fan, FanShape};
 pub use geometry::{DiscreteRay, Geometry, RaySlots};
 pub use image_plane::{ImagePlane, eye};
 pub use machine::{
@@ -24,9 +28,11 @@ pub use machine::{
     GradientMethod, HostLink, Layout, MachineError, MachineSpec, MemoryType, Rays, Reuse, ShadingUnit, Trilin,
 };
 pub use memory::{Command, Constraint, MemoryModel, Rows, Scope, Span};
+pub use perspective::{PLACE_BITS, PassShape, Perspective};
+pub use picture::{Coverage, PictureFrames, picture_setup};
 pub use registers::{
     Classification, ConeOrder, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, HalfSpace,
-    Linear, LinearFactor, Normaliser, Phong, PhongLight, ReflectanceTable, Shading,
+    Linear, LinearFactor, Normaliser, Phong, PhongLight, RayRegisters, ReflectanceTable, Shading,
 };
 pub(crate) use setup::gradient_scale;
 pub use setup::{
@@ -34,4 +40,4 @@ pub use setup::{
     frame_setup, step_length,
 };
 pub use template::{SLOPE_FRACTION_BITS, Template, TemplateRule, largest_offset, slope_register};
-pub use warp::{BasePlane, over, warp, warp_reals};
+pub use warp::{BasePlane, over, warp, warp_passes, warp_reals};

@@ -1,5 +1,6 @@
 //! `FrameSetup`: what a driver writes into the machine's registers and tables. Nothing else enters the machine.
 
+use crate::perspective::PLACE_BITS;
 use crate::{Geometry, GradientMethod, Reuse};
 use cube3_scene::Mode;
 use cube3_word::Words;
@@ -30,9 +31,68 @@ pub struct FrameSetup {
     pub depth_cue: Option<LinearFactor>,
     /// The cone's mode.
     pub cone: ConeRegisters,
+    /// What differs from ray to ray in perspective.
+    pub rays: Option<RayRegisters>,
 }
 
-/// A linear function of ray and depth, `a·u + b·v + c·k + d`, in fixed point.
+/// What differs from ray to ray and from depth to depth of a perspective frame, each a table over one axis; rays are in the
+/// order of their slots.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct RayRegisters {
+    /// Along u: the view vector of ray (i, j), against which light is measured, is `[view_u[i], view_v[j], view_w]` in world
+    /// lengths, of any length. It points away from the eye, as the gradient does from a surface's normal.
+    pub view_u: Vec<i32>,
+    /// Along v.
+    pub view_v: Vec<i32>,
+    /// Along w.
+    pub view_w: i32,
+    /// Whether a light of the shading unit stands at the eye: then its two directions are the view vector.
+    pub at_eye: Vec<bool>,
+    /// Along u: part of the squared length of a step.
+    pub length_u: Vec<u32>,
+    /// Along v.
+    pub length_v: Vec<u32>,
+    /// Tables of opacity, one for each class of step lengths: class = (length_u[i] + length_v[j]) >> `CLASS_SHIFT`.
+    pub length_classes: u32,
+    /// Size of the slope along u, a fraction of [`RayRegisters::SLOPE_BITS`].
+    pub slope_u: Vec<u32>,
+    /// Along v.
+    pub slope_v: Vec<u32>,
+    /// By depth, 1 / max(m, 1): what makes a slope a shear in rays. A fraction of [`RayRegisters::SLOPE_BITS`].
+    pub closeness: Vec<u32>,
+    /// By depth: factors of the gradient's components, fractions of [`GradientScale::FACTOR_BITS`].
+    pub factors: Vec<[u32; 3]>,
+    /// By depth, min(m, 1), a fraction of [`GradientScale::FACTOR_BITS`]: what the difference along the ray is multiplied with.
+    /// Absent where m is never below 1.
+    pub nearness: Option<Vec<u32>>,
+}
+
+impl RayRegisters {
+    /// Fraction bits of slopes and closeness.
+    pub const SLOPE_BITS: u32 = 15;
+    /// Right shift from a squared length to its class.
+    pub const CLASS_SHIFT: u32 = 12;
+    /// Most classes of step lengths.
+    pub const MOST_CLASSES: u32 = 16;
+
+    /// The class of the step length of the ray in a slot.
+    #[inline]
+    pub fn length_class(&self, row: usize, column: usize) -> u32 {
+        (self.length_u[column] + self.length_v[row]) >> Self::CLASS_SHIFT
+    }
+
+    /// How far a ray of a slope moves from a plane to the next, in rays that are apart by the plane's m: a fraction of
+    /// `weight_bits`, at most 1.
+    #[inline(always)]
+    pub fn shear(slope: u32, closeness: u32, weight_bits: u32) -> u32 {
+        let bits = 2 * Self::SLOPE_BITS - weight_bits;
+        ((slope * closeness + (1 << (bits - 1))) >> bits).min(1 << weight_bits)
+    }
+}
+
+/// A linear function of ray and depth, `a·u + b·v + c·k + d`, in fixed point; in perspective of the place u, v, w in the volume.
+///
+/// [`Geometry::evaluate`] gives its value at a sample of either.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Linear {
     /// Step from a ray to the next along u.
@@ -50,6 +110,12 @@ impl Linear {
     #[inline(always)]
     pub fn at(&self, u: i64, v: i64, k: i64) -> i64 {
         self.u * u + self.v * v + self.k * k + self.constant
+    }
+
+    /// The value at a place of a perspective frame, whose coordinates are fractions of [`PLACE_BITS`].
+    #[inline(always)]
+    pub fn at_place(&self, [u, v, w]: [i64; 3]) -> i64 {
+        ((self.u * u + self.v * v + self.k * w) >> PLACE_BITS) + self.constant
     }
 }
 
@@ -79,10 +145,10 @@ impl LinearFactor {
     /// Fraction bits of the factor that multiplies.
     pub const WORD_BITS: u32 = 12;
 
-    /// The factor word at a sample: 0 to `2^WORD_BITS`.
+    /// The factor word at a sample, for the value of the linear function: 0 to `2^WORD_BITS`.
     #[inline(always)]
-    pub fn word(&self, u: i64, v: i64, k: i64) -> u32 {
-        let clamped = self.factor.at(u, v, k).clamp(0, 1 << Self::FRACTION_BITS);
+    pub fn word(value: i64) -> u32 {
+        let clamped = value.clamp(0, 1 << Self::FRACTION_BITS);
         (clamped >> (Self::FRACTION_BITS - Self::WORD_BITS)) as u32
     }
 }
@@ -95,7 +161,8 @@ pub struct Classification {
     /// Right shift from a sample to the table's index.
     pub index_shift: u32,
     /// Opacity over the index, unit words of `opacity_bits`; for a two-dimensional table the rows of the
-    /// gradient's index follow each other, each of `colour.len()` entries.
+    /// gradient's index follow each other, each of `colour.len()` entries. In perspective there is such a table for each
+    /// class of step lengths.
     pub opacity: Vec<u32>,
     /// Colour over the index, unit words of `colour_bits`.
     pub colour: Vec<[u32; 3]>,

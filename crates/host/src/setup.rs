@@ -1,11 +1,14 @@
 //! Makes the `FrameSetup`: scene and machine in, registers and tables out.
 
+use crate::perspective::{PLACE_BITS, Perspective};
 use crate::{
-    Axes, BusKind, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientScale, HalfSpace,
-    Linear, LinearFactor, MachineSpec, ShadingUnit, canonical, classification, largest_offset, shading, slope_register,
+    Abc, Axes, BusKind, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientScale,
+    HalfSpace, Linear, LinearFactor, MachineSpec, RayRegisters, SLOPE_FRACTION_BITS, ShadingUnit, canonical,
+    classification, largest_offset, shading, slope_register,
 };
 use cube3_scene::{Mode, Scene, SceneError, ViewFrame};
 use cube3_word::{quantise_fraction, quantise_unit};
+use std::borrow::Cow;
 
 /// Most voxels along an axis: what slope and template registers are exact for.
 pub const LARGEST_SIDE: usize = 4096;
@@ -53,6 +56,18 @@ pub enum HostError {
         /// The sides.
         dims: [usize; 3],
     },
+    /// A unit that holds something for one direction of all rays.
+    #[error("{key} = \"{value}\" cannot be used in perspective: {reason}; give \"{remedy}\" in the machine file")]
+    Perspective {
+        /// Key in the machine file.
+        key: &'static str,
+        /// What it has.
+        value: &'static str,
+        /// Why not.
+        reason: &'static str,
+        /// What can be used.
+        remedy: &'static str,
+    },
 }
 
 /// Checks that the machine's bus can serve a view, perspective or parallel.
@@ -85,12 +100,21 @@ pub struct LeftOut {
     pub saves: String,
 }
 
-/// Sets a frame up. With `plan`, what cannot change a bit of the picture is left out; without, gradient, normaliser, shading and
-/// depth cue run in every frame, on registers that change nothing where the scene does not ask for them.
+/// Sets up the frame of parallel rays along the view's direction; [`picture_setup`](crate::picture_setup) is for every view. With
+/// `plan`, what cannot change a bit of the picture is left out; without, gradient, normaliser, shading and depth cue run in every
+/// frame, on registers that change nothing where the scene does not ask for them.
 ///
 /// # Errors
 /// A view without a direction, and volumes too large for the registers.
 pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, plan: bool) -> Result<Frame, HostError> {
+    let view = checked_view(scene, volume)?;
+    let geometry = geometry(machine, volume, &view);
+    let (setup, left_out) = registers(scene, machine, volume, plan, &view, geometry);
+    Ok(Frame { setup, view, left_out })
+}
+
+/// The picture's axes, of a volume that the registers can take.
+pub(crate) fn checked_view(scene: &Scene, volume: &VolumeInfo) -> Result<ViewFrame, HostError> {
     if volume.dims.iter().any(|side| !(1..=LARGEST_SIDE).contains(side)) {
         return Err(HostError::Size { dims: volume.dims });
     }
@@ -98,11 +122,65 @@ pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, pl
     if !(shortest >= SPACING_RANGE[0] && longest <= SPACING_RANGE[1] && longest <= shortest * LARGEST_RATIO) {
         return Err(HostError::Spacing { spacing: volume.spacing });
     }
-    let view = scene.view.frame()?;
-    let geometry = geometry(machine, volume, &view);
+    Ok(scene.view.frame()?)
+}
+
+/// What the machine cannot do for rays of many directions.
+pub(crate) fn check_perspective(scene: &Scene, machine: &MachineSpec) -> Result<(), HostError> {
+    let (lit, rows) = (is_lit(scene), scene.transfer.is_two_dimensional());
+    let gradient = machine.abc.gradient;
+    if (lit || rows) && matches!(gradient, GradientMethod::Ten | GradientMethod::TenNormalised) {
+        return Err(HostError::Perspective {
+            key: "abc.gradient",
+            value: gradient.name(),
+            reason: "the feet of its perpendiculars differ for every sample",
+            remedy: "12",
+        });
+    }
+    if lit && machine.abc.shading == ShadingUnit::ReflectanceTable {
+        return Err(HostError::Perspective {
+            key: "abc.shading",
+            value: "reflectance-table",
+            reason: "the table holds the light for one direction to the eye",
+            remedy: "phong",
+        });
+    }
+    Ok(())
+}
+
+/// Whether a scene's pixels are lit colours.
+fn is_lit(scene: &Scene) -> bool {
+    scene.material.shaded && lights_matter(scene.mode)
+}
+
+/// The machine as a frame uses it: where rays share columns, a ray moves by more than a ray from plane to plane, and the four samples of
+/// estimator 12 are too near: 6d does it by two multiplications.
+fn in_frame<'a>(machine: &'a MachineSpec, geometry: &Geometry) -> Cow<'a, MachineSpec> {
+    let gradient = match machine.abc.gradient {
+        _ if geometry.perspective.is_none() => return Cow::Borrowed(machine),
+        GradientMethod::Twelve if geometry.perspective.as_ref().is_some_and(|pass| pass.doubled) => {
+            GradientMethod::SixSheared
+        }
+        // Nothing reads the gradient, or it would have been refused.
+        GradientMethod::Ten | GradientMethod::TenNormalised => GradientMethod::SixSheared,
+        method => method,
+    };
+    Cow::Owned(MachineSpec { abc: Abc { gradient, ..machine.abc }, ..machine.clone() })
+}
+
+/// All registers and tables for a geometry, and what the plan left out.
+pub(crate) fn registers(
+    scene: &Scene,
+    machine: &MachineSpec,
+    volume: &VolumeInfo,
+    plan: bool,
+    view: &ViewFrame,
+    geometry: Geometry,
+) -> (FrameSetup, Vec<LeftOut>) {
+    let machine = &*in_frame(machine, &geometry);
     let basis = Basis::new(&geometry, volume.spacing, machine.abc.gradient);
     let words = machine.words;
-    let lit = scene.material.shaded && lights_matter(scene.mode);
+    let lit = is_lit(scene);
     let rows = classification::gradient_rows(scene, machine, volume, &basis);
     let mut left_out = Vec::new();
     let mut leave = |what: &str, why: &str, saves: String| {
@@ -161,20 +239,25 @@ pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, pl
             format!("{words} voxels and {} samples of buffer", 2 * words),
         );
     }
+    let steps = StepLengths::new(scene, &geometry, volume.spacing);
+    let rays = geometry
+        .perspective
+        .as_ref()
+        .map(|pass| ray_registers(scene, volume, &geometry, pass, &basis, machine.abc.gradient, &steps));
     let setup = FrameSetup {
         schema: 1,
         words,
         reuse: machine.trilin.reuse,
         clips,
-        classification: classification::tables(scene, machine, volume, &geometry, rows, &basis),
+        classification: classification::tables(scene, machine, volume, &steps.lengths, rows, &basis),
         gradient,
         normaliser: (normal_needed || !plan).then(|| shading::normaliser(machine)),
         shading: if lit {
-            Some(shading::registers(scene, machine, &view, &geometry, &basis))
+            Some(shading::registers(scene, machine, view, &geometry, &basis))
         } else {
             (!plan).then(|| shading::neutral(machine))
         },
-        depth_cue: depth_cue(scene, &geometry, volume, &view).or_else(|| (!plan).then(neutral_cue)),
+        depth_cue: depth_cue(scene, &geometry, volume, view).or_else(|| (!plan).then(neutral_cue)),
         cone: ConeRegisters {
             mode: scene.mode,
             order: machine.cone.kind.order(),
@@ -183,8 +266,113 @@ pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, pl
             sum_weight: (1_u64 << ConeRegisters::WEIGHT_BITS) / geometry.size[2] as u64,
         },
         geometry,
+        rays,
     };
-    Ok(Frame { setup, view, left_out })
+    (setup, left_out)
+}
+
+/// Step lengths that opacity is corrected to, in units of the smallest spacing: one in a parallel frame, in perspective the
+/// middles of classes, and the parts of the squared length that put a ray into its class.
+pub(crate) struct StepLengths {
+    pub lengths: Vec<f64>,
+    along_u: Vec<u32>,
+    along_v: Vec<u32>,
+}
+
+/// Squared lengths that differ by less, relative to the shortest, share one class: the opacity is then off by less than a 16-bit word.
+const SAME_LENGTH: f64 = 1e-6;
+
+impl StepLengths {
+    fn new(scene: &Scene, geometry: &Geometry, spacing: [f64; 3]) -> StepLengths {
+        let corrects = scene.mode == Mode::Composite && scene.transfer.opacity_correction;
+        let Some(pass) = &geometry.perspective else {
+            let length = if corrects { step_length(geometry, spacing) } else { 1.0 };
+            return StepLengths { lengths: vec![length], along_u: Vec::new(), along_v: Vec::new() };
+        };
+        let s = geometry.axes.permute(spacing);
+        let squares = |slopes: &[i64], s: f64| -> Vec<f64> {
+            slopes.iter().map(|&slope| (s * real_slope(slope)).powi(2)).collect()
+        };
+        let [along_u, along_v] = [squares(&pass.u.slopes, s[0]), squares(&pass.v.slopes, s[1])];
+        let least = |squares: &[f64]| squares.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = |squares: &[f64]| squares.iter().copied().fold(0.0, f64::max);
+        let [least_u, least_v] = [least(&along_u), least(&along_v)];
+        let shortest = least_u + least_v + s[2].powi(2);
+        let range = most(&along_u) - least_u + (most(&along_v) - least_v);
+        let smallest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
+        let classes = match corrects {
+            true if range > shortest * SAME_LENGTH => RayRegisters::MOST_CLASSES,
+            _ => 1,
+        };
+        let lengths = (0..classes).map(|class| {
+            let middle = (f64::from(class) + 0.5) / f64::from(classes);
+            if corrects { (shortest + range * middle).sqrt() / smallest } else { 1.0 }
+        });
+        let top = f64::from((classes << RayRegisters::CLASS_SHIFT) - 2);
+        let part = |squares: &[f64], least: f64| -> Vec<u32> {
+            let part = |square: &f64| if classes == 1 { 0 } else { ((square - least) / range * top) as u32 };
+            squares.iter().map(part).collect()
+        };
+        StepLengths { lengths: lengths.collect(), along_u: part(&along_u, least_u), along_v: part(&along_v, least_v) }
+    }
+}
+
+fn real_slope(register: i64) -> f64 {
+    register as f64 / f64::from(1_u32 << SLOPE_FRACTION_BITS)
+}
+
+fn ray_registers(
+    scene: &Scene,
+    volume: &VolumeInfo,
+    geometry: &Geometry,
+    pass: &Perspective,
+    basis: &Basis,
+    method: GradientMethod,
+    steps: &StepLengths,
+) -> RayRegisters {
+    let s = geometry.axes.permute(volume.spacing);
+    let along = |slopes: &[i64], s: f64| -> Vec<f64> { slopes.iter().map(|&slope| s * real_slope(slope)).collect() };
+    let [view_u, view_v] = [along(&pass.u.slopes, s[0]), along(&pass.v.slopes, s[1])];
+    let largest = view_u.iter().chain(&view_v).fold(s[2], |most, x| most.max(x.abs()));
+    let view = |x: f64| (x / largest * f64::from(1 << 28)).round() as i32;
+    let slope = |slopes: &[i64]| -> Vec<u32> {
+        let register = |&slope: &i64| {
+            let size = slope.unsigned_abs() >> (SLOPE_FRACTION_BITS - RayRegisters::SLOPE_BITS - 1);
+            (size.div_ceil(2) as u32).min(2 << RayRegisters::SLOPE_BITS)
+        };
+        slopes.iter().map(register).collect()
+    };
+    let spacing = |k: usize| pass.spacing_at(k as i64, geometry.offset, geometry.weight_bits);
+    let depths = 0..geometry.size[2];
+    let (scale, _) = basis.scale(method);
+    let factor = |x: f64| quantise_fraction(x, GradientScale::FACTOR_BITS);
+    RayRegisters {
+        view_w: view(s[2]),
+        view_u: view_u.into_iter().map(view).collect(),
+        view_v: view_v.into_iter().map(view).collect(),
+        at_eye: if is_lit(scene) {
+            scene.lights.iter().map(|light| light.direction.is_none()).collect()
+        } else {
+            Vec::new()
+        },
+        length_u: steps.along_u.clone(),
+        length_v: steps.along_v.clone(),
+        length_classes: steps.lengths.len() as u32,
+        slope_u: slope(&pass.u.slopes),
+        slope_v: slope(&pass.v.slopes),
+        closeness: depths
+            .clone()
+            .map(|k| quantise_fraction(1.0 / spacing(k).max(1.0), RayRegisters::SLOPE_BITS))
+            .collect(),
+        factors: depths
+            .clone()
+            .map(|k| {
+                let apart = spacing(k).max(1.0);
+                [factor(scale[0] / apart), factor(scale[1] / apart), factor(scale[2])]
+            })
+            .collect(),
+        nearness: pass.doubled.then(|| depths.map(|k| factor(spacing(k))).collect()),
+    }
 }
 
 /// Modes whose pixel is a lit colour; the others show values.
@@ -211,6 +399,8 @@ pub struct Basis {
     pub lengths: [f64; 3],
     /// Along-ray parts of the feet of the perpendiculars from the side rays, 0 to 1 (method 10).
     pub feet: [f64; 2],
+    /// Whether the factors of the components differ from depth to depth: in perspective.
+    pub varies: bool,
 }
 
 impl Basis {
@@ -234,7 +424,7 @@ impl Basis {
             }
             _ => ([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], s),
         };
-        Basis { vectors, lengths, feet }
+        Basis { vectors, lengths, feet, varies: geometry.perspective.is_some() }
     }
 
     /// Factors that the components are multiplied with, the largest 1; and the length that the
@@ -269,33 +459,40 @@ fn gradient_registers(machine: &MachineSpec, geometry: &Geometry, basis: &Basis,
     GradientRegisters {
         method,
         weights: weights.map(|weight| quantise_fraction(weight, machine.words.weight_bits)),
-        scale: Some(gradient_scale(machine, basis)).filter(|scale| !is_unity(scale) || !plan),
+        scale: Some(gradient_scale(machine, basis)).filter(|scale| basis.varies || !is_unity(scale) || !plan),
         border: 0,
     }
 }
 
-/// The factors of a frame; where all are 1, nothing is kept below the gradient's word.
+/// The factors of a frame, in perspective where rays are a voxel apart; where all are 1 at every depth, nothing is kept below
+/// the gradient's word.
 pub(crate) fn gradient_scale(machine: &MachineSpec, basis: &Basis) -> GradientScale {
     let method = machine.abc.gradient;
     let (factors, _) = basis.scale(method);
     let factors = factors.map(|factor| quantise_fraction(factor, GradientScale::FACTOR_BITS));
     let scale = GradientScale { factors, kept_bits: 0 };
     let kept_bits = GradientScale::FACTOR_BITS.min(GradientScale::room(method, &machine.words));
-    if is_unity(&scale) { scale } else { GradientScale { kept_bits, ..scale } }
+    if is_unity(&scale) && !basis.varies { scale } else { GradientScale { kept_bits, ..scale } }
 }
 
 fn is_unity(scale: &GradientScale) -> bool {
     scale.factors.iter().all(|&factor| factor == 1 << GradientScale::FACTOR_BITS)
 }
 
-/// A function `normal · p + constant` of the voxel position, over rays and depths.
+/// A function `normal · p + constant` of the voxel position, over rays and depths, or over places in perspective.
 fn linear(geometry: &Geometry, normal: [f64; 3], constant: f64, fraction_bits: u32) -> Linear {
-    let [du, dv] = geometry.real_slopes();
-    let along = normal[0] * du + normal[1] * dv + normal[2];
     let one = (1_u64 << fraction_bits) as f64;
     // A plane farther away than this decides nothing, and sums over any volume stay within 64 bits.
     let quantise = |x: f64, most: f64| (x * one).clamp(-most, most).round() as i64;
-    let (steep, far) = (2_f64.powi(46), 2_f64.powi(60));
+    let far = 2_f64.powi(60);
+    if geometry.perspective.is_some() {
+        let steep = 2_f64.powi(48 - PLACE_BITS as i32);
+        let [u, v, k] = normal.map(|x| quantise(x, steep));
+        return Linear { u, v, k, constant: quantise(constant, far) };
+    }
+    let [du, dv] = geometry.real_slopes();
+    let along = normal[0] * du + normal[1] * dv + normal[2];
+    let steep = 2_f64.powi(46);
     Linear {
         u: quantise(normal[0], steep),
         v: quantise(normal[1], steep),
@@ -348,16 +545,19 @@ fn neutral_cue() -> LinearFactor {
     LinearFactor { factor: Linear { u: 0, v: 0, k: 0, constant: 1 << LinearFactor::FRACTION_BITS } }
 }
 
-/// The cue along the view, from the nearest corner voxel, which is canonical (0, 0, 0), to the farthest.
+/// The cue along the view, from the nearest corner voxel, which is canonical (0, 0, 0) in a parallel view, to the farthest.
 fn depth_cue(scene: &Scene, geometry: &Geometry, volume: &VolumeInfo, view: &ViewFrame) -> Option<LinearFactor> {
     let cue = scene.depth_cue.as_ref()?;
     let direction = geometry.axes.to_canonical(view.direction);
     let spacing = geometry.axes.permute(volume.spacing);
     let steps = [0, 1, 2].map(|i| direction[i] * spacing[i]);
-    let depth: f64 = (0..3).map(|i| steps[i] * (geometry.size[i] - 1) as f64).sum();
+    let reach = [0, 1, 2].map(|i| steps[i] * (geometry.size[i] - 1) as f64);
+    let nearest: f64 = reach.iter().map(|x| x.min(0.0)).sum();
+    let depth = reach.iter().map(|x| x.max(0.0)).sum::<f64>() - nearest;
     let rate = if depth > 0.0 { (cue.back - cue.front) / depth } else { 0.0 };
     let normal = steps.map(|step| step * rate);
-    Some(LinearFactor { factor: linear(geometry, normal, cue.front, LinearFactor::FRACTION_BITS) })
+    let at_origin = cue.front - nearest * rate;
+    Some(LinearFactor { factor: linear(geometry, normal, at_origin, LinearFactor::FRACTION_BITS) })
 }
 
 /// Distance along the view of the nearest and of the farthest corner voxel's centre, from voxel (0, 0, 0).

@@ -1,6 +1,7 @@
 //! The base-plane image, and its warp to the picture.
 
-use crate::{Geometry, ImagePlane};
+use crate::picture::major;
+use crate::{Geometry, ImagePlane, SLOPE_FRACTION_BITS};
 use glam::DVec2;
 
 /// The machine's output: a pixel for each ray, red, green, blue (opacity-weighted) and opacity, unit words of
@@ -75,6 +76,48 @@ pub fn warp_reals(
         }
     }
     picture
+}
+
+/// Warps the base planes of a picture's passes, each with its geometry: [`warp`] for a parallel view; for an eye each pixel is taken
+/// from the pass of its ray's major axis, where the ray crosses its grid plane.
+pub fn warp_passes(
+    passes: &[(&BasePlane, &Geometry)],
+    plane: &ImagePlane,
+    spacing: [f64; 3],
+    background: [f64; 3],
+) -> Vec<[f64; 3]> {
+    if let (None, [(base, geometry)]) = (plane.eye, passes) {
+        return warp(base, geometry, plane, spacing, background);
+    }
+    let mut picture = Vec::with_capacity(plane.width * plane.height);
+    for row in 0..plane.height {
+        for column in 0..plane.width {
+            let (_, direction) = plane.ray(column as f64, row as f64);
+            let direction = [0, 1, 2].map(|i| direction[i] / spacing[i]);
+            let (axis, reversed) = major(direction);
+            let pass = passes
+                .iter()
+                .find(|(_, geometry)| (geometry.axes.axis[2], geometry.axes.reversed[2]) == (axis, reversed));
+            let through = plane.crossing(column as f64, row as f64);
+            let through = [0, 1, 2].map(|i| through[i] / spacing[i]);
+            let pixel = pass.map_or([0.0; 4], |(base, geometry)| {
+                bilinear(&|column, row| base.real(column, row), on_grid(geometry, through, direction))
+            });
+            picture.push(over(pixel, background));
+        }
+    }
+    picture
+}
+
+/// Where a ray (a point and a direction in voxels) crosses the grid plane of a pass, in pixels of its base plane.
+fn on_grid(geometry: &Geometry, through: [f64; 3], direction: [f64; 3]) -> DVec2 {
+    let grid_plane = geometry.perspective.as_ref().map_or(0, |pass| pass.grid_plane);
+    let grid_plane = grid_plane as f64 / f64::from(1_u32 << SLOPE_FRACTION_BITS);
+    let at = geometry.axes.canonical_position(geometry.size, through);
+    let along = geometry.axes.to_canonical(direction.into());
+    let steps = (grid_plane - at[2]) / along[2];
+    let first = geometry.first_ray();
+    DVec2::new(at[0] + along[0] * steps - first.u as f64, at[1] + along[1] * steps - first.v as f64)
 }
 
 fn bilinear(pixel: &dyn Fn(i64, i64) -> [f64; 4], at: DVec2) -> [f64; 4] {

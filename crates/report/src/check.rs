@@ -44,6 +44,9 @@ impl RunReport {
             finite("view.slopes", value)?;
         }
         finite("view.offset", self.view.offset)?;
+        for value in self.view.perspective.iter().flat_map(|perspective| perspective.eye_voxel) {
+            finite("view.perspective.eye_voxel", value)?;
+        }
         if let Some(timing) = &self.timing {
             finite("timing.clock_hz", timing.clock_hz)?;
             finite("timing.frame_time_s", timing.frame_time_s)?;

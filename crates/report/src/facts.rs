@@ -4,7 +4,7 @@ use cube3_metrics::ImageError;
 use serde_json::Value;
 
 use crate::quantity::{count, number, percentage, prefixed, sizes};
-use crate::{ErrorReport, ResourcesReport, RunReport, TimingReport, UnitReport, WallReport};
+use crate::{ErrorReport, PassReport, ResourcesReport, RunReport, TimingReport, UnitReport, WallReport};
 
 /// What is said, and its value.
 pub(crate) type Fact = (&'static str, String);
@@ -16,18 +16,42 @@ pub(crate) fn setup(report: &RunReport) -> Vec<Fact> {
     let flips = flipped_axes(view.flips);
     let spacing = volume.spacing.map(number).join(" × ");
     let slopes = view.slopes.map(number).join(", ");
-    vec![
+    let mut facts = vec![
         ("Volume", format!("{}, {} voxels", volume.source, sizes(&volume.dims))),
         ("Spacing", spacing),
         ("Voxel words", inline(&volume.conversion)),
         ("Major axis", format!("{}, {flips}", view.major_axis)),
         ("Slopes du, dv", slopes),
         ("Sampling", format!("offset {}, {}", number(view.offset), view.template_rule)),
-        ("Base plane", format!("{} pixels", sizes(&view.base_plane_size))),
+    ];
+    match &view.perspective {
+        None => facts.push(("Base plane", format!("{} pixels", sizes(&view.base_plane_size)))),
+        Some(perspective) => {
+            let eye = perspective.eye_voxel.map(number).join(", ");
+            let field = number(perspective.field_of_view_deg);
+            facts.push(("Eye", format!("voxel ({eye}), field of view {field}°")));
+            facts.extend(perspective.passes.iter().map(|pass| ("Base plane", base_plane(pass))));
+        }
+    }
+    facts.extend([
         ("Runs made", report.fidelity.clone()),
         ("Seed", report.seed.to_string()),
         ("Written by", format!("{} {}", report.program.name, report.program.version)),
-    ]
+    ]);
+    facts
+}
+
+/// The base plane of a pass, and how well its rays cover the volume.
+fn base_plane(pass: &PassReport) -> String {
+    let cells = if pass.own_cells { ", slots with their own cells" } else { "" };
+    format!(
+        "{}, {} pixels{cells}; rays {} voxels apart behind, {} of the voxels unused, cells of at most {}",
+        pass.axis,
+        sizes(&pass.base_plane_size),
+        number(pass.back_spacing_voxel),
+        percentage(pass.unused_voxel_fraction),
+        pass.widest_cell_voxel,
+    )
 }
 
 /// What the machine did with its time.

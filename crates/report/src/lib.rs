@@ -34,8 +34,9 @@ pub use resources_report::{
     ResourcesReport,
 };
 pub use run_report::{
-    ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, PlanReport, Program, RunReport, SCHEMA,
-    TimingCounts, TimingReport, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport,
+    ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, PassReport, PerspectiveReport, PlanReport,
+    Program, RunReport, SCHEMA, TimingCounts, TimingReport, UnitReport, ViewReport, VolumeReport, WallReport,
+    WordsReport,
 };
 pub use sequence::{AcquisitionReport, FrameReport, SequenceReport};
 pub use table::table;

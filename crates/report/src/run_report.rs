@@ -103,8 +103,44 @@ pub struct ViewReport {
     pub offset: f64,
     /// The rule for discrete rays, `sample-floor` or `plane-floor`, and the ray slots.
     pub template_rule: String,
-    /// Width and height of the base plane in pixels.
+    /// Width and height of the base plane in pixels, in perspective of the first pass.
     pub base_plane_size: [usize; 2],
+    /// The eye and the passes of a perspective view.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub perspective: Option<PerspectiveReport>,
+}
+
+/// A perspective view and the passes that it takes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PerspectiveReport {
+    /// The eye in voxel coordinates.
+    pub eye_voxel: [f64; 3],
+    /// The vertical field of view.
+    pub field_of_view_deg: f64,
+    /// The passes, each a frame with a base plane of its own, that of the view's direction first.
+    pub passes: Vec<PassReport>,
+}
+
+/// A pass and how well its rays cover the volume.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PassReport {
+    /// The major axis of its rays and the sign along it, such as `+x`.
+    pub axis: String,
+    /// Width and height of its base plane in pixels.
+    pub base_plane_size: [usize; 2],
+    /// o of its samples.
+    pub offset: f64,
+    /// Whether the eye is so near that each slot has its own cell, and beams are fetched twice.
+    pub own_cells: bool,
+    /// The gradient estimator, where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gradient: Option<String>,
+    /// Distance of the rays behind the last plane, in voxels.
+    pub back_spacing_voxel: f64,
+    /// Voxels between the outermost rays that no ray uses, as a fraction.
+    pub unused_voxel_fraction: f64,
+    /// Width of the widest cell, in voxels.
+    pub widest_cell_voxel: u32,
 }
 
 /// What the plan named.

@@ -53,6 +53,23 @@ impl TrilinLanes {
         );
     }
 
+    /// The same for voxels gathered by the columns of the front and of the back plane; columns beyond the rows give the voxel at
+    /// their end.
+    pub fn gathered_along_w(&self, front: &[u16], back: &[u16], columns: [&[i32]; 2], offset: u32, out: &mut [i32]) {
+        let (lift, lerp) = (self.lift, self.lerp);
+        let last = front.len() as i32 - 1;
+        let voxel = |row: &[u16], column: i32| i32::from(row[column.clamp(0, last) as usize]) << lift;
+        if offset == 0 {
+            for (out, &column) in out.iter_mut().zip(columns[0]) {
+                *out = voxel(front, column);
+            }
+            return;
+        }
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = lerp.one(voxel(front, columns[0][i]), voxel(back, columns[1][i]), offset);
+        }
+    }
+
     /// A row lerped with another by one weight; the ends copy.
     pub fn row(&self, near: &[i32], far: &[i32], weight: u32, out: &mut [i32]) {
         let lerp = self.lerp;

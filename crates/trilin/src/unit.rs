@@ -11,7 +11,7 @@ use bitvec::prelude::*;
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
 use cube3_dsb::golden::ray_lane;
 use cube3_dsb::{RayPair, RayVoxels};
-use cube3_host::{FrameSetup, Geometry, MachineSpec, Reuse};
+use cube3_host::{Fan, FrameSetup, Geometry, MachineSpec, Reuse};
 use serde::{Deserialize, Serialize};
 
 /// A slot of continuous rays.
@@ -136,8 +136,8 @@ impl Interpolator {
         }
     }
 
-    /// The lerp along u of one plane (0 current, 1 below) between the ray before and the newest.
-    fn side(&mut self, setup: &FrameSetup, plane: usize, out: &mut Vec<i32>) {
+    /// The lerp along u of one plane (0 current, 1 below) between the ray before, of slot `slot`, and the newest.
+    fn side(&mut self, setup: &FrameSetup, plane: usize, slot: usize, out: &mut Vec<i32>) {
         let [mut left, mut right, rest] = std::mem::take(&mut self.scratch);
         let (before, newest) = (std::mem::take(&mut self.before[plane]), std::mem::take(&mut self.newest[plane]));
         self.edges(&before, setup.geometry.offset, &mut left);
@@ -146,10 +146,32 @@ impl Interpolator {
         self.newest[plane] = newest;
         out.clear();
         out.resize(left.len(), 0);
-        self.arithmetic.ray(&left, &right, &setup.geometry.u.weights, out);
+        match &setup.geometry.perspective {
+            None => self.arithmetic.ray(&left, &right, &setup.geometry.u.weights, out),
+            Some(pass) => self.arithmetic.ray(&left, &right, &of_ray(&pass.u, slot, left.len()), out),
+        }
         self.lerps += 1;
         self.scratch = [left, right, rest];
     }
+
+    /// The lerp along u of one plane in the cell that the ray before has for itself: its voxels are those of both columns.
+    fn cell_side(&mut self, setup: &FrameSetup, plane: usize, weights: &[u32], out: &mut Vec<i32>) {
+        let depths = setup.geometry.size[2];
+        let voxels = &self.before[plane].voxels;
+        let mut edges = [vec![0; depths], vec![0; depths]];
+        for (edge, voxels) in edges.iter_mut().zip(voxels.chunks(depths)) {
+            self.arithmetic.ray_along_w(voxels, setup.geometry.offset, edge);
+        }
+        out.clear();
+        out.resize(depths, 0);
+        self.arithmetic.ray(&edges[0], &edges[1], weights, out);
+        self.lerps += 3;
+    }
+}
+
+/// The weights of one ray of a fan, by its index, in order of depth.
+fn of_ray(fan: &Fan, i: usize, depths: usize) -> Vec<u32> {
+    (0..depths).map(|k| fan.weight(i, k)).collect()
 }
 
 impl Interpolate for Interpolator {
@@ -164,9 +186,15 @@ impl Interpolate for Interpolator {
         for (i, ray) in [&pair.data.current, &pair.data.below].into_iter().enumerate() {
             let held = &mut self.newest[i];
             held.voxels.clear();
-            held.voxels.extend(
-                (0..depths).map(|k| i32::from(ray[ray_lane(self.lanes, slot, k)]) << setup.words.sample_fraction_bits),
-            );
+            for ray in ray.chunks(depths.div_ceil(self.lanes) * self.lanes) {
+                held.voxels.extend(
+                    (0..depths)
+                        .map(|k| i32::from(ray[ray_lane(self.lanes, slot, k)]) << setup.words.sample_fraction_bits),
+                );
+            }
+            if setup.geometry.doubled() {
+                continue;
+            }
             if matches!(self.reuse, Reuse::Ray | Reuse::Both) && (i == 1 || current_needed) {
                 held.edges.clear();
                 held.edges.resize(depths, 0);
@@ -194,16 +222,27 @@ impl Interpolate for Interpolator {
         }
         let (mut current, mut below) = (Vec::new(), Vec::new());
         let keeps_planes = !self.sides.is_empty();
-        if keeps_planes && plane > 0 {
-            current = std::mem::take(&mut self.sides[slot]);
+        if let Some(pass) = geometry.perspective.as_ref().filter(|pass| pass.doubled) {
+            let weights = of_ray(&pass.u, slot, geometry.size[2]);
+            self.cell_side(setup, 0, &weights, &mut current);
+            self.cell_side(setup, 1, &weights, &mut below);
         } else {
-            self.side(setup, 0, &mut current);
+            if keeps_planes && plane > 0 {
+                current = std::mem::take(&mut self.sides[slot]);
+            } else {
+                self.side(setup, 0, slot, &mut current);
+            }
+            self.side(setup, 1, slot, &mut below);
         }
-        self.side(setup, 1, &mut below);
         let mut samples = std::mem::take(&mut self.scratch[2]);
         samples.clear();
         samples.resize(geometry.size[2], 0);
-        self.arithmetic.ray(&current, &below, &geometry.v.weights, &mut samples);
+        match &geometry.perspective {
+            None => self.arithmetic.ray(&current, &below, &geometry.v.weights, &mut samples),
+            Some(pass) => {
+                self.arithmetic.ray(&current, &below, &of_ray(&pass.v, plane, geometry.size[2]), &mut samples);
+            }
+        }
         self.lerps += 1;
         if keeps_planes {
             self.sides[slot] = below;

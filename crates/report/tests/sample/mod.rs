@@ -34,6 +34,7 @@ pub fn report() -> RunReport {
             offset: 0.5,
             template_rule: "plane floor".into(),
             base_plane_size: [202, 146],
+            perspective: None,
         },
         plan: PlanReport {
             enabled: true,

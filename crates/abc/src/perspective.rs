@@ -1,0 +1,159 @@
+//! What the lanes need of each ray and depth of a perspective frame.
+
+use crate::golden::{halfway, view_vector};
+use cube3_host::{FrameSetup, Normaliser, RayRegisters, Shading};
+use cube3_word::Words;
+use std::ops::Range;
+
+/// Weights and factors of a gradient by lane; see [`crate::golden::Local`].
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LocalRows {
+    pub here: [Vec<i32>; 2],
+    pub behind: [Vec<i32>; 2],
+    pub before: [Vec<i32>; 2],
+    pub factors: [Vec<i32>; 3],
+    pub nearness: Option<Vec<u32>>,
+}
+
+/// The registers of rays, and what has been made of them for the rays aimed at.
+#[derive(Clone, Debug)]
+pub(crate) struct RayLanes {
+    registers: RayRegisters,
+    weight_bits: u32,
+    /// Numbers of the first ray along u and v.
+    first: [i64; 2],
+    /// How many rays run against u and against v; the others follow.
+    turns: [i64; 2],
+    /// The first ray aimed at.
+    aimed: i64,
+    view: [Vec<i32>; 3],
+    /// Halfway to each light that is not at the eye; nothing for others.
+    halfway: Vec<[Vec<i32>; 3]>,
+}
+
+impl RayLanes {
+    pub fn new(setup: &FrameSetup) -> Option<RayLanes> {
+        let (pass, registers) = (setup.geometry.perspective.as_ref()?, setup.rays.as_ref()?);
+        let first = [pass.u.first, pass.v.first];
+        Some(RayLanes {
+            registers: registers.clone(),
+            weight_bits: setup.words.weight_bits,
+            first,
+            turns: [first[0] + pass.u.turn() as i64, first[1] + pass.v.turn() as i64],
+            aimed: 0,
+            view: Default::default(),
+            halfway: vec![Default::default(); registers.at_eye.len()],
+        })
+    }
+
+    /// View vectors and halfway vectors of rays of a plane.
+    pub fn aim(
+        &mut self,
+        v: i64,
+        us: Range<i64>,
+        shading: Option<&Shading>,
+        table: Option<&Normaliser>,
+        words: &Words,
+    ) {
+        self.aimed = us.start;
+        for row in self.view.iter_mut().chain(self.halfway.iter_mut().flatten()) {
+            row.clear();
+        }
+        let (Some(Shading::Phong(phong)), Some(table)) = (shading, table) else {
+            return;
+        };
+        let row = (v - self.first[1]) as usize;
+        for u in us {
+            let view = view_vector(row, (u - self.first[0]) as usize, &self.registers, table, words);
+            for (out, word) in self.view.iter_mut().zip(view) {
+                out.push(word);
+            }
+            let lights = phong.lights.iter().zip(&self.registers.at_eye);
+            for (out, (light, _)) in self.halfway.iter_mut().zip(lights).filter(|(_, (_, at_eye))| !**at_eye) {
+                for (out, word) in out.iter_mut().zip(halfway(light.direction, view, table, words)) {
+                    out.push(word);
+                }
+            }
+        }
+    }
+
+    pub fn has_classes(&self) -> bool {
+        self.registers.length_classes > 1
+    }
+
+    #[inline(always)]
+    fn slot(&self, [u, v, _]: [i64; 3]) -> [usize; 2] {
+        [(u - self.first[0]) as usize, (v - self.first[1]) as usize]
+    }
+
+    /// The class of a ray's step length.
+    #[inline(always)]
+    pub fn class(&self, at: [i64; 3]) -> u32 {
+        let [column, row] = self.slot(at);
+        self.registers.length_class(row, column)
+    }
+
+    /// Whether a ray runs against u and against v.
+    #[inline(always)]
+    pub fn mirrored(&self, [u, v, _]: [i64; 3]) -> [bool; 2] {
+        [u < self.turns[0], v < self.turns[1]]
+    }
+
+    /// Weights and factors of lanes `from` to `to`, which lie in `rows` from 0 on.
+    #[inline(always)]
+    pub fn local(&self, from: usize, to: usize, at: impl Fn(usize) -> [i64; 3] + Copy, rows: &mut LocalRows) {
+        let registers = &self.registers;
+        let last = registers.closeness.len() - 1;
+        let lists = rows.here.iter_mut().chain(&mut rows.behind).chain(&mut rows.before).chain(&mut rows.factors);
+        lists.for_each(Vec::clear);
+        rows.nearness = registers.nearness.as_ref().map(|nearness| {
+            let mut row = rows.nearness.take().unwrap_or_default();
+            row.clear();
+            row.extend((from..to).map(|lane| nearness[at(lane)[2] as usize]));
+            row
+        });
+        for lane in from..to {
+            let [column, row] = self.slot(at(lane));
+            let k = at(lane)[2] as usize;
+            let slopes = [registers.slope_u[column], registers.slope_v[row]];
+            let weigh = |rows: &mut [Vec<i32>; 2], k: usize| {
+                for (row, slope) in rows.iter_mut().zip(slopes) {
+                    row.push(RayRegisters::shear(slope, registers.closeness[k], self.weight_bits) as i32);
+                }
+            };
+            weigh(&mut rows.here, k);
+            weigh(&mut rows.behind, (k + 1).min(last));
+            weigh(&mut rows.before, k.saturating_sub(1));
+            for (row, factor) in rows.factors.iter_mut().zip(registers.factors[k]) {
+                row.push(factor as i32);
+            }
+        }
+    }
+
+    /// Towards light `number`, and halfway between it and the eye, for lanes `from` to `to`, which lie in `rows` from 0 on.
+    #[inline(always)]
+    pub fn towards(
+        &self,
+        number: usize,
+        direction: [i32; 3],
+        from: usize,
+        to: usize,
+        at: impl Fn(usize) -> [i64; 3] + Copy,
+        rows: &mut [[Vec<i32>; 3]; 2],
+    ) {
+        let at_eye = self.registers.at_eye[number];
+        let halfway = if at_eye { &self.view } else { &self.halfway[number] };
+        for i in 0..3 {
+            let ray = |lane: usize| (at(lane)[0] - self.aimed) as usize;
+            let [light, half] = rows;
+            light[i].clear();
+            half[i].clear();
+            half[i].extend((from..to).map(|lane| halfway[i][ray(lane)]));
+            if at_eye {
+                light[i].extend_from_slice(&half[i]);
+            } else {
+                light[i].resize(to - from, direction[i]);
+            }
+        }
+    }
+}

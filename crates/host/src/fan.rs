@@ -1,0 +1,219 @@
+//! Fans: the discrete rays of a perspective view along one axis, in exact integers.
+//!
+//! Where a [`Template`](crate::Template) is one ray for all, a fan has a ray of its own for each column of the base plane:
+//! the n² entries of the paper, section 2. A ray is two registers, its place at the first plane and its slope; columns and
+//! weights follow from them without a rounding but the last one of each weight.
+
+use crate::{SLOPE_FRACTION_BITS, TemplateRule};
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+
+/// The rays of one axis of a perspective pass.
+///
+/// The sample of ray i at depth k lies between its column L and its right column R, each the lerp by the offset of two
+/// planes: `w = (p − lerp(L(k), L(k+1), o)) / (lerp(R(k), R(k+1), o) − lerp(L(k), L(k+1), o))`. R is the column of the next ray,
+/// or the next column where the two rays share one.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Fan {
+    /// Number of the first ray: the whole number at which it crosses the grid plane.
+    pub first: i64,
+    /// Position of each ray at [`FanShape::first_depth`], fractions of [`SLOPE_FRACTION_BITS`].
+    pub starts: Vec<i64>,
+    /// Steps from plane to plane, fractions of [`SLOPE_FRACTION_BITS`].
+    pub slopes: Vec<i64>,
+    /// L of each ray, the rays of a depth together.
+    near: Vec<i32>,
+    /// R of each ray, likewise.
+    right: Vec<i32>,
+    /// Weights, fractions of the machine's weight bits, likewise.
+    weights: Vec<u32>,
+    /// The rays, by their index, that have samples at a depth; one entry for each depth.
+    valid: Vec<[usize; 2]>,
+}
+
+/// What the two fans of a pass share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FanShape {
+    /// The first plane at or beyond the eye.
+    pub first_depth: usize,
+    /// Planes of the volume.
+    pub depths: usize,
+    /// The offset o, a fraction of `weight_bits`.
+    pub offset: u32,
+    /// Fraction bits of offset and weights.
+    pub weight_bits: u32,
+    /// The rule of the columns.
+    pub rule: TemplateRule,
+}
+
+/// Registers of a fan's rays before columns are made from them: place and slope, and whether the last one has a
+/// neighbour that was left out.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Rays {
+    /// Number of the first ray.
+    pub first: i64,
+    /// Positions at the first depth; one ray more than the fan will have.
+    pub starts: Vec<i64>,
+    /// Slopes, likewise.
+    pub slopes: Vec<i64>,
+    /// Whether rays end because they are too steep, not because they miss the volume.
+    pub cut: bool,
+}
+
+impl FanShape {
+    /// The position of a sample, a fraction of slope and weight bits.
+    fn position(&self, start: i64, slope: i64, k: usize) -> i64 {
+        let steps = ((k as i64 - self.first_depth as i64) << self.weight_bits) + i64::from(self.offset);
+        (start << self.weight_bits) + steps * slope
+    }
+
+    /// The column of a ray at a depth from the first on: its floor at the sample, or at the plane.
+    fn column(&self, start: i64, slope: i64, k: usize) -> i32 {
+        let column = match self.rule {
+            TemplateRule::SampleFloor => self.position(start, slope, k) >> (SLOPE_FRACTION_BITS + self.weight_bits),
+            TemplateRule::PlaneFloor => (start + (k as i64 - self.first_depth as i64) * slope) >> SLOPE_FRACTION_BITS,
+        };
+        column as i32
+    }
+
+    /// `lerp(near, far, o)`, a fraction of the weight bits.
+    fn between(&self, near: i32, far: i32) -> i64 {
+        (i64::from(near) << self.weight_bits) + i64::from(far - near) * i64::from(self.offset)
+    }
+
+    /// The weight of a position between a left and a right edge, rounded to nearest.
+    fn weight(&self, position: i64, left: i64, right: i64) -> u32 {
+        let part = position - (left << SLOPE_FRACTION_BITS);
+        let whole = right - left;
+        ((part << self.weight_bits) + (whole << (SLOPE_FRACTION_BITS - 1))).div_euclid(whole << SLOPE_FRACTION_BITS)
+            as u32
+    }
+}
+
+impl Fan {
+    /// The fan of `rays` in a volume of `columns` voxels along its axis; `None` where no ray meets a voxel.
+    pub(crate) fn new(rays: Rays, shape: &FanShape, columns: usize) -> Option<Fan> {
+        let inside = |i: usize| {
+            (shape.first_depth..shape.depths)
+                .any(|k| (0..columns as i32).contains(&shape.column(rays.starts[i], rays.slopes[i], k)))
+        };
+        let all = rays.starts.len() - 1;
+        let from = (0..all).find(|&i| inside(i))?;
+        let last = (from..all).rev().find(|&i| inside(i))?;
+        let count = last + 1 - from;
+        let (starts, slopes) = (&rays.starts[from..=last + 1], &rays.slopes[from..=last + 1]);
+        let size = count * shape.depths;
+        let mut fan = Fan {
+            first: rays.first + from as i64,
+            starts: starts[..count].to_vec(),
+            slopes: slopes[..count].to_vec(),
+            near: vec![-1; size],
+            right: vec![-1; size],
+            weights: vec![0; size],
+            valid: vec![[0, 0]; shape.depths],
+        };
+        let column = |i: usize, k: usize| shape.column(starts[i], slopes[i], k);
+        let right = |i: usize, k: usize| column(i + 1, k).max(column(i, k) + 1);
+        for k in shape.first_depth..shape.depths {
+            for i in 0..count {
+                let (near, next) = (column(i, k), right(i, k));
+                let left_edge = shape.between(near, column(i, k + 1));
+                let right_edge = shape.between(next, right(i, k + 1));
+                let place = k * count + i;
+                fan.near[place] = near;
+                fan.right[place] = next;
+                fan.weights[place] = shape.weight(shape.position(starts[i], slopes[i], k), left_edge, right_edge);
+            }
+        }
+        // The ray that ends a fan which was cut has no neighbour on its right.
+        let whole = if rays.cut && last + 1 == all { count - 1 } else { count };
+        for k in shape.first_depth..shape.depths {
+            fan.valid[k] = fan.valid_at(k, shape, columns as i32, whole);
+        }
+        Some(fan)
+    }
+
+    /// The rays with a sample at a depth: every voxel that it gives a weight to is in the volume.
+    fn valid_at(&self, k: usize, shape: &FanShape, columns: i32, whole: usize) -> [usize; 2] {
+        let far = if shape.offset == 0 { k } else { k + 1 };
+        if far >= shape.depths {
+            return [0, 0];
+        }
+        let within = |x: i32| (0..columns).contains(&x);
+        let has = |&i: &usize| {
+            let needs_right = self.weight(i, k) != 0;
+            within(self.near(i, k))
+                && within(self.near(i, far))
+                && (!needs_right || (within(self.right(i, k)) && within(self.right(i, far))))
+        };
+        let first = (0..whole).find(has).unwrap_or(0);
+        let end = (first..whole).find(|i| !has(i)).unwrap_or(whole);
+        [first, end]
+    }
+
+    /// How many rays.
+    pub fn count(&self) -> usize {
+        self.starts.len()
+    }
+
+    /// The index of a ray.
+    pub fn index(&self, ray: i64) -> Option<usize> {
+        usize::try_from(ray - self.first).ok().filter(|&i| i < self.count())
+    }
+
+    /// L of a ray by its index; −1 in front of the eye.
+    #[inline]
+    pub fn near(&self, i: usize, k: usize) -> i32 {
+        self.near[k * self.count() + i]
+    }
+
+    /// R of a ray by its index.
+    #[inline]
+    pub fn right(&self, i: usize, k: usize) -> i32 {
+        self.right[k * self.count() + i]
+    }
+
+    /// Weight of a ray's sample by its index.
+    #[inline]
+    pub fn weight(&self, i: usize, k: usize) -> u32 {
+        self.weights[k * self.count() + i]
+    }
+
+    /// L of all rays at a depth.
+    pub fn near_row(&self, k: usize) -> &[i32] {
+        &self.near[k * self.count()..(k + 1) * self.count()]
+    }
+
+    /// R of all rays at a depth.
+    pub fn right_row(&self, k: usize) -> &[i32] {
+        &self.right[k * self.count()..(k + 1) * self.count()]
+    }
+
+    /// Weights of all rays at a depth.
+    pub fn weight_row(&self, k: usize) -> &[u32] {
+        &self.weights[k * self.count()..(k + 1) * self.count()]
+    }
+
+    /// The rays, by index, that have samples at a depth, as far as this axis decides.
+    pub fn valid(&self, k: usize) -> Range<usize> {
+        let [from, to] = self.valid[k];
+        from..to
+    }
+
+    /// Index of the first ray whose slope is not negative.
+    pub fn turn(&self) -> usize {
+        self.slopes.partition_point(|&slope| slope < 0)
+    }
+
+    /// The position of a ray's sample in voxels, a fraction of `bits` (at most the slope's) rounded down.
+    #[inline]
+    pub fn place(&self, i: usize, k: usize, shape: &FanShape, bits: u32) -> i64 {
+        shape.position(self.starts[i], self.slopes[i], k) >> (SLOPE_FRACTION_BITS + shape.weight_bits - bits)
+    }
+
+    /// The position of a ray's sample in voxels.
+    pub fn real_place(&self, i: usize, k: usize, shape: &FanShape) -> f64 {
+        let one = 2_f64.powi((SLOPE_FRACTION_BITS + shape.weight_bits) as i32);
+        shape.position(self.starts[i], self.slopes[i], k) as f64 / one
+    }
+}

@@ -1,0 +1,290 @@
+//! One pass of a perspective view: the rays of an eye whose major axis is one signed voxel axis.
+
+use crate::fan::{Fan, FanShape, Rays};
+use crate::{Axes, Geometry, RaySlots, SLOPE_FRACTION_BITS, Template, TemplateRule};
+use serde::{Deserialize, Serialize};
+
+/// Fraction bits of a sample's place in perspective; see [`Geometry::place`].
+pub const PLACE_BITS: u32 = 16;
+
+/// Grid steps by which rays go beyond a slope of 1, so that the warp finds all neighbours where two base planes join.
+const MARGIN: f64 = 2.0;
+
+/// The fans of a pass, and where its eye is.
+///
+/// The eye is at (e_u, e_v, e_w) in canonical voxels. Rays cross the *grid plane*, which is `F` behind the eye, at whole numbers
+/// (g, h), and are `m(k) = (k − e_w) / F` apart at depth k. `F` is the eye's distance to the base plane w = 0, or half of the
+/// volume's depth where the eye is nearer: then rays are less than a voxel apart in front, and never more than 3 behind.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Perspective {
+    /// Rays along u.
+    pub u: Fan,
+    /// Rays along v.
+    pub v: Fan,
+    /// The first plane at or beyond the eye; in front of it are no samples.
+    pub first_depth: usize,
+    /// w of the grid plane, a fraction of [`SLOPE_FRACTION_BITS`]: 0 where it is the base plane.
+    pub grid_plane: i64,
+    /// m at plane `first_depth`, and its step from plane to plane, fractions of [`SLOPE_FRACTION_BITS`].
+    pub spacing: [i64; 2],
+    /// Whether rays may share columns, so that a slot needs its own cell: beams of rows Y and Y + 1 are fetched for every plane, and
+    /// each is gathered twice.
+    pub doubled: bool,
+}
+
+impl Perspective {
+    /// The distance m between rays at a plane, which may be before the first or behind the last, plus an offset
+    /// (a fraction of `weight_bits`).
+    pub fn spacing_at(&self, k: i64, offset: u32, weight_bits: u32) -> f64 {
+        let one = f64::from(1_u32 << SLOPE_FRACTION_BITS);
+        let part = f64::from(offset) / f64::from(1_u32 << weight_bits);
+        let depth = (k - self.first_depth as i64) as f64 + part;
+        (self.spacing[0] as f64 + depth * self.spacing[1] as f64) / one
+    }
+}
+
+/// What a pass is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct PassShape {
+    /// n_u, n_v, n_w.
+    pub size: [usize; 3],
+    /// The voxel axes behind u, v, w.
+    pub axes: Axes,
+    /// The eye in canonical voxels.
+    pub eye: [f64; 3],
+    /// The offset wanted, a fraction of `weight_bits`; lowered to what the rule allows for the steepest ray.
+    pub offset: u32,
+    /// Fraction bits of the offset and the weights.
+    pub weight_bits: u32,
+    /// The rule of the columns.
+    pub rule: TemplateRule,
+}
+
+/// The distance of the grid plane from the eye, and its w.
+fn grid(eye_w: f64, depths: usize) -> (f64, f64) {
+    let half = depths as f64 * 0.5;
+    if -eye_w >= half { (-eye_w, 0.0) } else { (half.max(-eye_w), eye_w + half.max(-eye_w)) }
+}
+
+fn register(x: f64) -> i64 {
+    (x * f64::from(1_u32 << SLOPE_FRACTION_BITS)).round() as i64
+}
+
+/// Rays along one axis from an eye at `eye`, `distance` from the grid plane at `plane`.
+fn rays(eye: f64, [eye_w, distance, plane]: [f64; 3], first_depth: usize, depths: usize, columns: usize) -> Rays {
+    // The ray that is at x on plane k crosses the grid at x + (x − e)·(1/m − 1).
+    let crossing = |x: f64, k: f64| {
+        let behind = k - eye_w;
+        if behind > 0.0 {
+            x + (x - eye) * ((plane - k) / behind)
+        } else if x > eye {
+            f64::INFINITY
+        } else {
+            f64::NEG_INFINITY
+        }
+    };
+    let ends = [first_depth as f64, depths as f64];
+    let [low, high] = [-1.0, columns as f64 + 1.0];
+    let meets = [
+        ends.map(|k| crossing(low, k)).into_iter().fold(f64::INFINITY, f64::min),
+        ends.map(|k| crossing(high, k)).into_iter().fold(f64::NEG_INFINITY, f64::max),
+    ];
+    let steep = [eye - distance - MARGIN, eye + distance + MARGIN];
+    let first = meets[0].max(steep[0]).floor();
+    let last = meets[1].min(steep[1]).ceil();
+    let count = if last >= first { (last - first) as usize + 1 } else { 0 };
+    let first_spacing = (first_depth as f64 - eye_w) / distance;
+    let from_base = plane == 0.0 && first_depth == 0;
+    let start = |g: f64| if from_base { g } else { eye + (g - eye) * first_spacing };
+    // One more than the fan has: the last one's neighbour.
+    let places = (0..=count).map(|i| first + i as f64);
+    Rays {
+        first: first as i64,
+        starts: places.clone().map(|g| register(start(g))).collect(),
+        slopes: places.map(|g| register((g - eye) / distance)).collect(),
+        cut: meets[1] > steep[1],
+    }
+}
+
+impl Geometry {
+    /// The geometry of a perspective pass; `None` where none of its rays meets a voxel.
+    pub fn perspective(shape: &PassShape) -> Option<Geometry> {
+        let [nu, nv, depths] = shape.size;
+        let [eye_u, eye_v, eye_w] = shape.eye;
+        let first_depth = eye_w.ceil().max(0.0);
+        if first_depth >= depths as f64 {
+            return None;
+        }
+        let first_depth = first_depth as usize;
+        let (distance, plane) = grid(eye_w, depths);
+        let along = [eye_w, distance, plane];
+        let (along_u, along_v) =
+            (rays(eye_u, along, first_depth, depths, nu), rays(eye_v, along, first_depth, depths, nv));
+        let steepest = along_u.slopes.iter().chain(&along_v.slopes).map(|slope| slope.abs()).max().unwrap_or(0);
+        let offset = shape.offset.min(largest_offset(shape.rule, steepest, shape.weight_bits));
+        let fans = FanShape { first_depth, depths, offset, weight_bits: shape.weight_bits, rule: shape.rule };
+        let spacing = if plane == 0.0 && first_depth == 0 { 1.0 } else { (first_depth as f64 - eye_w) / distance };
+        let empty = || Template { columns: Vec::new(), weights: Vec::new() };
+        Some(Geometry {
+            size: shape.size,
+            axes: shape.axes,
+            slopes: [0; 2],
+            offset,
+            weight_bits: shape.weight_bits,
+            rule: shape.rule,
+            slots: RaySlots::Padded,
+            u: empty(),
+            v: empty(),
+            perspective: Some(Perspective {
+                u: Fan::new(along_u, &fans, nu)?,
+                v: Fan::new(along_v, &fans, nv)?,
+                first_depth,
+                grid_plane: register(plane),
+                spacing: [register(spacing), register(1.0 / distance)],
+                doubled: plane != 0.0,
+            }),
+        })
+    }
+
+    /// What the fans of a perspective pass are made with.
+    pub fn fan_shape(&self) -> FanShape {
+        FanShape {
+            first_depth: self.perspective.as_ref().map_or(0, |pass| pass.first_depth),
+            depths: self.size[2],
+            offset: self.offset,
+            weight_bits: self.weight_bits,
+            rule: self.rule,
+        }
+    }
+}
+
+/// The largest legal offset for rays up to a slope: equation (3), and none where a ray is at 45° or steeper.
+fn largest_offset(rule: TemplateRule, steepest: i64, weight_bits: u32) -> u32 {
+    let steepest = steepest.min(1 << SLOPE_FRACTION_BITS) as u32;
+    crate::largest_offset(rule, [steepest; 2], weight_bits)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::DiscreteRay;
+    use proptest::prelude::*;
+
+    fn eyes() -> impl Strategy<Value = [f64; 3]> {
+        let near = || -20.0..30.0_f64;
+        let voxel = || (0_u8..9).prop_map(f64::from);
+        prop_oneof![
+            3 => [near(), near(), near()],
+            1 => [voxel(), voxel(), voxel()],
+            1 => [near(), near(), -1e3..0.0_f64],
+            1 => [-1e12..1e12_f64, -1e12..1e12_f64, -1e12..0.0_f64],
+        ]
+    }
+
+    fn any_pass() -> impl Strategy<Value = Geometry> {
+        let size = [1_usize..9, 1_usize..9, 1_usize..9];
+        (size, eyes(), 0.0..1.0_f64, 0_u32..=12, any::<bool>()).prop_filter_map(
+            "an eye from which no ray meets the volume",
+            |(size, eye, offset, weight_bits, plane)| {
+                Geometry::perspective(&PassShape {
+                    size,
+                    axes: Axes { axis: [0, 1, 2], reversed: [false; 3] },
+                    eye,
+                    offset: ((offset * f64::from(1_u32 << weight_bits)) as u32).min((1 << weight_bits) - 1),
+                    weight_bits,
+                    rule: if plane { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
+                })
+            },
+        )
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(1500))]
+
+        /// The sheared cell contains its sample, and the weight is its place in it: so an affine field comes out exact, to the
+        /// rounding of the weight.
+        #[test]
+        fn cells_contain_their_samples_at_the_weight(geometry in any_pass()) {
+            let pass = geometry.perspective.as_ref().unwrap();
+            let (shape, one) = (geometry.fan_shape(), f64::from(1_u32 << geometry.weight_bits));
+            let offset = geometry.real_offset();
+            for fan in [&pass.u, &pass.v] {
+                for k in pass.first_depth..geometry.size[2] - 1 {
+                    for i in 0..fan.count() {
+                        let between = |near: i32, far: i32| f64::from(near) + f64::from(far - near) * offset;
+                        let left = between(fan.near(i, k), fan.near(i, k + 1));
+                        let right = between(fan.right(i, k), fan.right(i, k + 1));
+                        let place = fan.real_place(i, k, &shape);
+                        prop_assert!(left <= place && place <= right, "{left} {place} {right}");
+                        let weight = f64::from(fan.weight(i, k)) / one;
+                        prop_assert!((0.0..=1.0).contains(&weight));
+                        prop_assert!((left + (right - left) * weight - place).abs() <= (right - left) * 0.5 / one + 1e-9);
+                    }
+                }
+            }
+        }
+
+        #[test]
+        fn rays_stay_in_order_and_without_own_cells_the_right_column_is_the_next_rays(geometry in any_pass()) {
+            let pass = geometry.perspective.as_ref().unwrap();
+            for fan in [&pass.u, &pass.v] {
+                for k in pass.first_depth..geometry.size[2] {
+                    for i in 0..fan.count() {
+                        prop_assert!(fan.right(i, k) > fan.near(i, k));
+                        if i + 1 < fan.count() {
+                            prop_assert!(fan.near(i + 1, k) >= fan.near(i, k));
+                            prop_assert!(pass.doubled || fan.right(i, k) == fan.near(i + 1, k));
+                            prop_assert!(fan.right(i, k) <= fan.near(i, k) + 4, "rays are at most 3 apart");
+                        }
+                    }
+                }
+            }
+        }
+
+        #[test]
+        fn a_sample_has_every_voxel_that_it_gives_a_weight_to(geometry in any_pass()) {
+            let first = geometry.first_ray();
+            let [width, height] = geometry.base_plane_size();
+            let mut count = 0;
+            for i in 0..height as i64 {
+                for j in 0..width as i64 {
+                    let ray = DiscreteRay { u: first.u + j, v: first.v + i };
+                    for k in 0..geometry.size[2] {
+                        if !geometry.has_sample(ray, k as i64) {
+                            continue;
+                        }
+                        count += 1;
+                        let weights = geometry.weights(ray, k);
+                        for corner in 0..8 {
+                            let [w, v, u] = [corner >> 2, corner >> 1 & 1, corner & 1];
+                            let weighted = (w == 0 || geometry.offset != 0)
+                                && (v == 0 || weights[1] != 0)
+                                && (u == 0 || weights[0] != 0);
+                            prop_assert!(!weighted || geometry.corner(ray, k, [w, v, u]).is_some());
+                        }
+                        let place = geometry.sample_position(ray, k);
+                        for axis in 0..3 {
+                            prop_assert!(place[axis] >= 0.0 && place[axis] <= geometry.size[axis] as f64);
+                        }
+                    }
+                }
+            }
+            prop_assert_eq!(geometry.sample_count(), count);
+        }
+    }
+
+    /// An eye of any kind has the samples that its rays have within the volume: none is lost at a border but for the last ray.
+    #[test]
+    fn a_central_eye_has_a_sample_for_each_ray_between_the_faces() {
+        let eye = [15.5, 15.5, -64.0];
+        let axes = Axes { axis: [0, 1, 2], reversed: [false; 3] };
+        let shape = PassShape { size: [32; 3], axes, eye, offset: 0, weight_bits: 8, rule: TemplateRule::SampleFloor };
+        let geometry = Geometry::perspective(&shape).unwrap();
+        for k in 0..32 {
+            let spacing = 1.0 + k as f64 / 64.0;
+            let expected = (0..32).filter(|g| (15.5 + (f64::from(*g) - 15.5) * spacing - 15.5).abs() <= 15.5).count();
+            let valid = geometry.perspective.as_ref().unwrap().u.valid(k);
+            assert!(valid.len() >= expected - 1 && valid.len() <= expected + 1, "{k}: {} of {expected}", valid.len());
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! The same for a perspective pass: rows hold the rays of a plane by slot, gathered from the volume by the fan.
+//!
+//! The lerps along u of plane v + 1 serve plane v now and plane v + 1 next, unless slots have cells of their own; three
+//! planes of samples serve the gradient.
+
+use crate::function::{CanonicalVolume, Plane};
+use crate::machine::Overflows;
+use cube3_abc::lanes::{AbcLanes, ShadedRow};
+use cube3_cone::lanes::{Accumulator, ConeLanes};
+use cube3_host::{FrameSetup, Perspective};
+use cube3_trilin::lanes::TrilinLanes;
+use cube3_word::vectorised;
+use std::ops::Range;
+
+/// Places before slot 0 of a row of samples: the neighbour of the first.
+const MARGIN: usize = 1;
+
+/// The units' lanes and the planes between them, for one band of a pass.
+pub(crate) struct PassWorker<'a, T> {
+    setup: &'a FrameSetup,
+    pass: &'a Perspective,
+    volume: &'a CanonicalVolume<'a>,
+    trilin: TrilinLanes,
+    abc: AbcLanes,
+    cone: ConeLanes<T>,
+    /// Lerps along u: of planes v and v + 1, by parity; where slots have their own cells, above and below the one plane.
+    sides: [Plane; 2],
+    /// Samples of planes v − 1, v, v + 1, by remainder of 3, the border around them.
+    samples: [Plane; 3],
+    /// Lerps along w in columns L and R.
+    edges: [Vec<i32>; 2],
+    beyond: Vec<i32>,
+    shaded: ShadedRow,
+}
+
+impl<'a, T: Accumulator> PassWorker<'a, T> {
+    pub fn new(
+        setup: &'a FrameSetup,
+        pass: &'a Perspective,
+        volume: &'a CanonicalVolume<'a>,
+        skip: bool,
+    ) -> PassWorker<'a, T> {
+        let (slots, depths) = (pass.u.count(), setup.geometry.size[2]);
+        let border = setup.gradient.map_or(0, |registers| registers.border);
+        let plane = |stride| Plane::new(stride, depths);
+        let samples = || plane(slots + 2 * MARGIN);
+        PassWorker {
+            setup,
+            pass,
+            volume,
+            trilin: TrilinLanes::new(&setup.words),
+            abc: AbcLanes::new(setup, skip),
+            cone: ConeLanes::new(setup.cone, setup.words),
+            sides: [plane(slots), plane(slots)],
+            samples: [samples(), samples(), samples()],
+            edges: [vec![0; slots + 1], vec![0; slots + 1]],
+            beyond: vec![border; slots + 2 * MARGIN],
+            shaded: ShadedRow::default(),
+        }
+    }
+
+    /// Renders planes from `first` on into their rows of pixels.
+    pub fn band(&mut self, first: i64, pixels: &mut [[u32; 4]], width: usize) -> Overflows {
+        let reach = i64::from(self.setup.gradient.is_some());
+        let mut overflows = Overflows::default();
+        if !self.pass.doubled {
+            self.plane_sides(first - reach);
+        }
+        for v in first - reach..first + reach {
+            self.samples(v);
+        }
+        for (i, row) in pixels.chunks_mut(width).enumerate() {
+            let v = first + i as i64;
+            self.samples(v + reach);
+            overflows.shading += self.shade(v);
+            let start = self.pass.u.first;
+            overflows.pixel += self.cone.finish(|u, rgba| row[(u - start) as usize] = rgba);
+        }
+        overflows
+    }
+
+    /// The lerps along w and u in the rows of plane `v` itself.
+    fn plane_sides(&mut self, v: i64) {
+        let Some(j) = self.pass.v.index(v) else {
+            return;
+        };
+        for k in self.pass.first_depth..self.setup.geometry.size[2] {
+            self.sides(v.rem_euclid(2) as usize, k, |pass, k| pass.v.near(j, k));
+        }
+    }
+
+    /// The lerps along w and u at a depth, in the rows that `row_at` gives for the two planes of it, where they are in the volume.
+    fn sides(&mut self, into: usize, k: usize, row_at: impl Fn(&Perspective, usize) -> i32) {
+        let geometry = &self.setup.geometry;
+        let far = if geometry.offset == 0 { k } else { k + 1 };
+        if far >= geometry.size[2] {
+            return;
+        }
+        let row = |k: usize| usize::try_from(row_at(self.pass, k)).ok().filter(|&row| row < geometry.size[1]);
+        let (Some(front), Some(back)) = (row(k), row(far)) else {
+            return;
+        };
+        let (front, back) = (self.volume.row(front, k), self.volume.row(back, far));
+        let fan = &self.pass.u;
+        let valid = fan.valid(k);
+        let n = valid.len();
+        let gather = |columns: [&[i32]; 2], rays: Range<usize>, out: &mut [i32]| {
+            let columns = columns.map(|row| &row[rays.clone()]);
+            self.trilin.gathered_along_w(front, back, columns, geometry.offset, &mut out[..rays.len()]);
+        };
+        let [left, right] = &mut self.edges;
+        let near = [fan.near_row(k), fan.near_row(far)];
+        let right = if self.pass.doubled {
+            gather(near, valid.clone(), left);
+            gather([fan.right_row(k), fan.right_row(far)], valid.clone(), right);
+            &right[..n]
+        } else {
+            // The right column is that of the next ray; the last of all has a weight of 0 for want of it.
+            gather(near, valid.start..(valid.end + usize::from(n > 0)).min(fan.count()), left);
+            &left[1..n + 1]
+        };
+        let sides = &mut self.sides[into].row_mut(k)[valid.clone()];
+        self.trilin.ray(&left[..n], right, &fan.weight_row(k)[valid], sides);
+    }
+
+    /// The samples of plane `v`, the border around them.
+    fn samples(&mut self, v: i64) {
+        let geometry = &self.setup.geometry;
+        let border = self.beyond[0];
+        if self.pass.doubled {
+            if let Some(j) = self.pass.v.index(v) {
+                for k in self.pass.first_depth..geometry.size[2] {
+                    self.sides(0, k, |pass, k| pass.v.near(j, k));
+                    self.sides(1, k, |pass, k| pass.v.right(j, k));
+                }
+            }
+        } else {
+            self.plane_sides(v + 1);
+        }
+        let [even, odd] = &self.sides;
+        let (near, far) = if self.pass.doubled || v.rem_euclid(2) == 0 { (even, odd) } else { (odd, even) };
+        let plane = &mut self.samples[v.rem_euclid(3) as usize];
+        for k in 0..geometry.size[2] {
+            let row = plane.row_mut(k);
+            let rays = geometry.valid_columns(v, k);
+            if rays.is_empty() {
+                row.fill(border);
+                continue;
+            }
+            let [from, to] = [rays.start, rays.end].map(|u| (u - self.pass.u.first) as usize);
+            row[..MARGIN + from].fill(border);
+            row[MARGIN + to..].fill(border);
+            let weight = self.pass.v.index(v).map_or(0, |j| self.pass.v.weight(j, k));
+            let out = &mut row[MARGIN + from..MARGIN + to];
+            self.trilin.row(&near.row(k)[from..to], &far.row(k)[from..to], weight, out);
+        }
+    }
+
+    /// Shades plane `v` and sends its rows into the cone, in order of depth. Returns the words that were saturated.
+    fn shade(&mut self, v: i64) -> u64 {
+        let setup = self.setup;
+        let geometry = &setup.geometry;
+        let depths = geometry.size[2];
+        let first = self.pass.u.first;
+        let has_gradient = setup.gradient.is_some();
+        let mut overflows = 0;
+        self.abc.aim(v, first..first + self.pass.u.count() as i64);
+        for k in 0..depths {
+            let (from, to) = self.inside(v, k);
+            if from >= to {
+                self.cone.push(None::<(i64, &ShadedRow, fn(usize) -> i32)>);
+                continue;
+            }
+            let n = (to - from) as usize;
+            let (samples, beyond) = (&self.samples, self.beyond.as_slice());
+            // Rows of the neighbourhood, from the neighbour on the left of the first lane to that on the right of the last.
+            let row = |w: usize, dv: usize| -> &[i32] {
+                let Some(depth) = (k + w).checked_sub(1).filter(|&depth| depth < depths) else {
+                    return &beyond[..n + 2];
+                };
+                if !has_gradient && (w, dv) != (1, 1) {
+                    return &beyond[..n + 2];
+                }
+                let plane = &samples[(v + dv as i64 - 1).rem_euclid(3) as usize];
+                &plane.row(depth)[(from - first) as usize..][..n + 2]
+            };
+            let rows: [[&[i32]; 3]; 3] = [0, 1, 2].map(|w| [0, 1, 2].map(|dv| row(w, dv)));
+            self.shaded.present.clear();
+            self.shaded.present.resize(n, 1);
+            let (abc, cone, shaded) = (&mut self.abc, &mut self.cone, &mut self.shaded);
+            vectorised(
+                #[inline(always)]
+                || {
+                    let neighbour = |w: usize, dv: usize, u: usize| &rows[w][dv][u..u + n];
+                    abc.shade(n, neighbour, |lane| [from + lane as i64, v, k as i64], geometry, shaded);
+                    cone.push(Some((from, &*shaded, |lane: usize| rows[1][1][lane + 1])));
+                },
+            );
+            overflows += self.shaded.overflows;
+        }
+        overflows
+    }
+
+    /// The rays of plane `v` that have a sample at depth `k` inside of every clip. A clip's distance never turns along u.
+    fn inside(&self, v: i64, k: usize) -> (i64, i64) {
+        let geometry = &self.setup.geometry;
+        let valid = geometry.valid_columns(v, k);
+        let (mut from, mut to) = (valid.start, valid.end);
+        for clip in &self.setup.clips {
+            let outside = |u: i64| geometry.evaluate(&clip.distance, [u, v, k as i64]) < 0;
+            while from < to && outside(from) {
+                from += 1;
+            }
+            while from < to && outside(to - 1) {
+                to -= 1;
+            }
+        }
+        (from, to)
+    }
+}
