@@ -139,6 +139,10 @@ proptest! {
         let written = port(&run).written();
         prop_assert_eq!(written % n as u64, 0);
         prop_assert!(written >= stolen * n as u64);
+        if part >= 1.0 {
+            // A group is always due: writes and reads take turns.
+            prop_assert_eq!(stolen, counters.units[0].1.busy);
+        }
         if part < 0.5 {
             // Less than every second cycle: no write waits, and what has come in is in the modules but for a group.
             let arrived = spec.words_per_cycle() * counters.cycles as f64;
