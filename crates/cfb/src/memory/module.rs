@@ -238,7 +238,7 @@ impl Module {
             return Column { tick, opened: false, refresh_until: NEVER };
         };
         let row = address >> rows.words.trailing_zeros();
-        let bank = row as usize & (rows.banks - 1);
+        let bank = timing.bank(row);
         let mut refresh_until = NEVER;
         let (first, tick) = loop {
             let first = match self.rows[bank] {
