@@ -1,7 +1,7 @@
 //! Frames one behind another: the bits of each are those of the frame alone, and the rate is that of the busiest port.
 
 use cube3::machine::Machine;
-use cube3_host::{FrameSetup, Frames, MachineSpec, RaySlots, Rays, VolumeInfo, frame_setup};
+use cube3_host::{Cfb, FrameSetup, Frames, MachineSpec, RaySlots, Rays, VolumeInfo, frame_setup};
 use cube3_scene::{Scene, View};
 use cube3_tests::{machines, scenes, volumes};
 use proptest::prelude::*;
@@ -30,10 +30,13 @@ proptest! {
         timing.run(&|_, _| {}).unwrap();
         prop_assert_eq!(&timing.counters(), &counters);
         let one_by_one: u64 = alone.iter().map(|(cycles, _, _)| cycles).sum();
-        if overlap {
-            prop_assert!(counters.cycles <= one_by_one);
-        } else {
-            prop_assert_eq!(counters.cycles, one_by_one);
+        // A frame alone finds every row of the memory closed, and another time to the next refresh.
+        if machine.cfb == (Cfb { skew: machine.cfb.skew, ..Cfb::default() }) {
+            if overlap {
+                prop_assert!(counters.cycles <= one_by_one);
+            } else {
+                prop_assert_eq!(counters.cycles, one_by_one);
+            }
         }
         prop_assert_eq!(counters.frame_ends.len(), alone.len());
         prop_assert_eq!(counters.frame_ends.last(), Some(&counters.cycles));

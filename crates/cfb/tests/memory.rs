@@ -76,20 +76,21 @@ fn a_memory_clock_that_does_not_divide_the_pipelines_keeps_its_rate() {
     assert_eq!(account.busy, cycles);
 }
 
-/// A slice of 64 voxels of a volume of 512³: its modules have the addresses of the whole.
 #[test]
-fn blocks_keep_rows_open_for_words_along_every_axis_where_rows_of_voxels_do_along_one_walk() {
+fn blocks_keep_rows_open_along_every_axis_where_rows_of_voxels_do_along_one_walk() {
     let misses = |layout, direction| {
-        let machine = machine(64, 8e6, MemoryType::Sdram, layout);
-        let (_, _, counters) = run(&machine, setup_of(&machine, [64, 512, 512], direction), 1);
+        let machine = machine(256, 8e6, MemoryType::Sdram, layout);
+        let (_, _, counters) = run(&machine, setup(&machine, 256, direction), 1);
         (counters.row_misses + counters.row_conflicts) as f64 / counters.words as f64
     };
     let [x, y, z] = ALONG;
     let [rows, blocks] = [Layout::Rows, Layout::Blocks].map(|layout| [x, y, z].map(|view| misses(layout, view)));
-    assert!(rows.iter().all(|&share| share > 0.99), "{rows:?}");
-    assert!(blocks.iter().all(|&share| share < 0.2), "{blocks:?}");
+    // A memory row of 512 words has two rows of 256.
+    assert!(rows.iter().all(|&share| share > 0.5), "{rows:?}");
+    // Eight words in a block, and some in the next one.
+    assert!(blocks.iter().all(|&share| share < 0.17), "{blocks:?}");
     // Beams along x whose depth is along y: a module reads word behind word.
-    assert!(misses(Layout::Rows, [0.3, 1.0, 0.1]) < 0.02);
+    assert!(misses(Layout::Rows, [0.3, 1.0, 0.1]) < 0.07);
 }
 
 #[test]

@@ -132,7 +132,7 @@ impl Module {
     }
 
     /// The first tick at which the constraints allow a command to a bank.
-    #[inline]
+    #[inline(always)]
     pub fn earliest(&self, timing: &Timing, command: Command, bank: usize) -> i64 {
         let group = timing.group(bank);
         let mut tick = NEVER;
@@ -148,18 +148,19 @@ impl Module {
     }
 
     /// The first tick, not before `tick`, at which the constraints and the command bus allow a command to a bank.
-    #[inline]
+    #[inline(always)]
     fn free(&self, timing: &Timing, command: Command, bank: usize, tick: i64) -> i64 {
         let mut tick = tick.max(self.earliest(timing, command, bank));
         let own_bus = timing.column_bus && matches!(command, Command::Read | Command::Write);
-        while !own_bus && tick <= self.last_booked && self.booked.contains(&tick) {
+        // All at once: a search that stops early is slower.
+        while !own_bus && tick <= self.last_booked && self.booked.iter().fold(false, |met, &at| met | (at == tick)) {
             tick += 1;
         }
         tick
     }
 
     /// Issues a command to a bank.
-    #[inline]
+    #[inline(always)]
     pub fn issue(&mut self, timing: &Timing, command: Command, bank: usize, tick: i64) {
         if !(timing.column_bus && matches!(command, Command::Read | Command::Write)) {
             self.booked[self.next_booked] = tick;
@@ -181,7 +182,7 @@ impl Module {
     }
 
     /// Remembers a command where constraints on its bank and group look for it.
-    #[inline]
+    #[inline(always)]
     fn note(&mut self, timing: &Timing, command: Command, bank: usize, tick: i64) {
         self.marks[timing.in_bank(command, bank)] = tick;
         if timing.groups() > 1 {
@@ -222,7 +223,7 @@ impl Module {
     }
 
     /// Opens the row of an address where it is not open, and reads or writes.
-    #[inline]
+    #[inline(always)]
     fn column(
         &mut self,
         timing: &Timing,
@@ -238,7 +239,7 @@ impl Module {
             return Column { tick, opened: false, refresh_until: NEVER };
         };
         let row = address >> rows.words.trailing_zeros();
-        let bank = row as usize & (rows.banks - 1);
+        let bank = timing.bank(row);
         let mut refresh_until = NEVER;
         let (first, tick) = loop {
             let first = match self.rows[bank] {

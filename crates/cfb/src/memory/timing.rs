@@ -107,6 +107,15 @@ impl Timing {
         self.rows.map_or(1, |rows| rows.banks)
     }
 
+    /// The bank of a row of words, numbered through the module: the exclusive or of the lowest three digits of its number to the
+    /// base of the banks, so that rows a power of 2 apart are in different banks too (Zhang, Zhu, Zhang 2000, permutation-based
+    /// interleaving).
+    #[inline]
+    pub fn bank(&self, row: u64) -> usize {
+        let bits = self.banks().trailing_zeros();
+        (row ^ (row >> bits) ^ (row >> (2 * bits))) as usize & (self.banks() - 1)
+    }
+
     /// Groups of banks.
     #[inline]
     pub fn groups(&self) -> usize {
