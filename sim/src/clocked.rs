@@ -5,7 +5,7 @@ use crate::fidelity::Fidelity;
 use crate::machine::{Machine, RunError};
 use crate::output::write_whole;
 use crate::problem::Outcome;
-use crate::trace::{Format, Recorder, Recording, TraceError, Unobserved, Window};
+use crate::trace::{Format, Recorder, Recording, TraceError, Window};
 use std::path::PathBuf;
 
 /// A trace that is asked for.
@@ -68,11 +68,7 @@ pub fn run_clocked<F: Fidelity>(
     let (mut recorder, mut recording) = (None, None);
     let mut saved = false;
     for stop in cycles {
-        let done = match &mut recorder {
-            Some(recorder) => machine.run_until(stop, recorder, progress),
-            None => machine.run_until(stop, &mut Unobserved, progress),
-        };
-        match done {
+        match machine.run_until(stop, recorder.as_mut(), progress) {
             Ok(true) => break,
             Ok(false) => {}
             Err(deadlock) => {

@@ -6,7 +6,7 @@
 
 use crate::fidelity::{Cycle, Fidelity, Timing};
 use crate::host_port::{Collector, HostPort, NoHost};
-use crate::trace::{Move, Observe, Token, TokenKind, Unobserved};
+use crate::trace::{Move, Recorder, Token, TokenKind};
 use cube3_abc::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, Shader};
 use cube3_cfb::golden::Skew;
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, Fetch, FrameBuffer, FrameBufferError, NoVoxels};
@@ -312,9 +312,9 @@ impl<F: Fidelity> Machine<F> {
     }
 
     /// One cycle. Every unit ticks, each with the channels at its ends; then every channel commits. What each unit did, in the
-    /// order of [`Machine::UNITS`]; the observer sees it, and what moved, before the commit.
+    /// order of [`Machine::UNITS`]; a recorder sees it, and what moved, before the commit.
     #[inline]
-    fn tick<O: Observe>(&mut self, observer: &mut O) -> [Activity; UNITS] {
+    fn tick(&mut self, recorder: Option<&mut Recorder>) -> [Activity; UNITS] {
         let frames = &self.frames;
         let released = if self.overlap { u32::MAX } else { self.host.frames_done() + 1 };
         let host = self.host.tick(frames, &mut self.pixels);
@@ -325,14 +325,20 @@ impl<F: Fidelity> Machine<F> {
         let bus = self.bus.tick(frames, &mut self.beams, &mut self.aligned);
         let cfb = self.cfb.tick(frames, released, &mut self.beams);
         let activities = [cfb, bus, write, read, trilin, abc, cone, host];
-        if O::WATCHES {
-            observer.cycle(&activities, self.moves());
+        if let Some(recorder) = recorder {
+            self.show(activities, recorder);
         }
         self.commit();
         if self.host.frames_done() as usize > self.frame_ends.len() {
             self.frame_ends.push(self.cycle);
         }
         activities
+    }
+
+    /// Shows a cycle. Not in line, so that a run without a trace pays a test and no more.
+    #[inline(never)]
+    fn show(&self, activities: [Activity; UNITS], recorder: &mut Recorder) {
+        recorder.cycle(&activities, self.moves());
     }
 
     /// What was pushed and popped in this cycle.
@@ -379,17 +385,17 @@ impl<F: Fidelity> Machine<F> {
     /// # Errors
     /// A machine that cannot move; nothing has been waited for longer than the longest channel latency.
     pub fn run(&mut self, progress: &dyn Fn(u64, u64)) -> Result<(), Deadlock> {
-        self.run_until(u64::MAX, &mut Unobserved, progress).map(|_| ())
+        self.run_until(u64::MAX, None, progress).map(|_| ())
     }
 
     /// Runs on to the last pixel, or until `stop` cycles have passed since the start of the run. Whether the last pixel has come.
     ///
     /// # Errors
     /// As [`Machine::run`].
-    pub fn run_until<O: Observe>(
+    pub fn run_until(
         &mut self,
         stop: u64,
-        observer: &mut O,
+        mut recorder: Option<&mut Recorder>,
         progress: &dyn Fn(u64, u64),
     ) -> Result<bool, Deadlock> {
         let all = self.ray_slots();
@@ -397,7 +403,7 @@ impl<F: Fidelity> Machine<F> {
             if self.cycle >= stop {
                 return Ok(false);
             }
-            if self.tick(observer).into_iter().any(Activity::is_active) {
+            if self.tick(recorder.as_deref_mut()).into_iter().any(Activity::is_active) {
                 self.last_move = self.cycle;
             } else if !self.in_flight() {
                 return Err(self.deadlock());

@@ -4,7 +4,7 @@ use cube3::clocked::{Stops, TraceRequest};
 use cube3::inputs;
 use cube3::machine::{CHANNELS, Machine, RunCounters, UNITS};
 use cube3::run::{Reference, RunOptions, Runs, run_frame_with};
-use cube3::trace::{Events, Format, Recorder, Recording, Token, TokenKind, Unobserved, Window};
+use cube3::trace::{Events, Format, Recorder, Recording, Token, TokenKind, Window};
 use cube3_channel::{Account, Activity};
 use cube3_host::{FrameSetup, Frames, MachineSpec, frame_setup};
 use cube3_scene::{Scene, VolumeSource};
@@ -17,9 +17,9 @@ use std::path::Path;
 /// A timing run of some frames, traced from one cycle to another, and its counters.
 fn traced(machine: &MachineSpec, setups: &[FrameSetup], from: u64, to: u64) -> (Recording, RunCounters) {
     let mut run = Machine::timing(machine, setups.to_vec()).unwrap();
-    run.run_until(from, &mut Unobserved, &|_, _| {}).unwrap();
+    run.run_until(from, None, &|_, _| {}).unwrap();
     let mut recorder = Recorder::new(&run, Window { from, to }, machine.clock_hz);
-    run.run_until(to, &mut recorder, &|_, _| {}).unwrap();
+    run.run_until(to, Some(&mut recorder), &|_, _| {}).unwrap();
     run.run(&|_, _| {}).unwrap();
     (recorder.finish(), run.counters())
 }

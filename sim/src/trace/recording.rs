@@ -1,6 +1,6 @@
 //! The event stream: packed while the machine runs, unpacked cycle by cycle afterwards.
 
-use super::{Move, Observe, Token, fst, kanata, perfetto};
+use super::{Move, Token, fst, kanata, perfetto};
 use crate::fidelity::Fidelity;
 use crate::machine::{CHANNELS, Joint, Machine, UNITS};
 use cube3_channel::Activity;
@@ -185,19 +185,10 @@ impl Recorder {
     pub fn finish(self) -> Recording {
         self.recording
     }
-}
 
-/// The token that mostly comes after another in a channel.
-#[inline]
-fn successor(token: Token) -> Token {
-    Token { place: token.place.wrapping_add(1), ..token }
-}
-
-impl Observe for Recorder {
-    const WATCHES: bool = true;
-
+    /// A cycle: what each unit did, in the order of [`Machine::UNITS`], and what moved, in that of [`Machine::JOINTS`].
     #[inline]
-    fn cycle(&mut self, activities: &[Activity; UNITS], moves: [Move; CHANNELS]) {
+    pub fn cycle(&mut self, activities: &[Activity; UNITS], moves: [Move; CHANNELS]) {
         let mut packed = Packed { activities: 0, pushed: 0, popped: 0, jumped: 0 };
         for (i, activity) in activities.iter().enumerate() {
             packed.activities |= u64::from(activity.code()) << (4 * i);
@@ -215,6 +206,12 @@ impl Observe for Recorder {
         }
         self.recording.cycles.push(packed);
     }
+}
+
+/// The token that mostly comes after another in a channel.
+#[inline]
+fn successor(token: Token) -> Token {
+    Token { place: token.place.wrapping_add(1), ..token }
 }
 
 /// A channel of a recording.
