@@ -213,9 +213,9 @@ fn traced(plan: &Plan, format: Option<Format>) -> Outcome<f64> {
         let without = start.elapsed().as_secs_f64();
         let mut run = Machine::timing(&machine, frames())?;
         let start = Instant::now();
-        run.run_until(window.from, None, &|_, _| {})?;
+        run.run_until(window.from, &|_, _| {})?;
         let mut recorder = Recorder::new(&run, window, machine.clock_hz);
-        run.run_until(window.to, Some(&mut recorder), &|_, _| {})?;
+        recorder.run(&mut run, window.to, &|_, _| {})?;
         run.run(&|_, _| {})?;
         let recording = recorder.finish();
         if let Some(format) = format {

@@ -65,10 +65,14 @@ pub fn run_clocked<F: Fidelity>(
     cycles.extend(stops.checkpoint.as_ref().map(|(at, _)| *at));
     cycles.push(u64::MAX);
     cycles.sort_unstable();
-    let (mut recorder, mut recording) = (None, None);
+    let (mut recorder, mut recording): (Option<Recorder>, Option<Recording>) = (None, None);
     let mut saved = false;
     for stop in cycles {
-        match machine.run_until(stop, recorder.as_mut(), progress) {
+        let done = match &mut recorder {
+            Some(recorder) => recorder.run(machine, stop, progress),
+            None => machine.run_until(stop, progress),
+        };
+        match done {
             Ok(true) => break,
             Ok(false) => {}
             Err(deadlock) => {

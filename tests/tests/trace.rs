@@ -17,9 +17,9 @@ use std::path::Path;
 /// A timing run of some frames, traced from one cycle to another, and its counters.
 fn traced(machine: &MachineSpec, setups: &[FrameSetup], from: u64, to: u64) -> (Recording, RunCounters) {
     let mut run = Machine::timing(machine, setups.to_vec()).unwrap();
-    run.run_until(from, None, &|_, _| {}).unwrap();
+    run.run_until(from, &|_, _| {}).unwrap();
     let mut recorder = Recorder::new(&run, Window { from, to }, machine.clock_hz);
-    run.run_until(to, Some(&mut recorder), &|_, _| {}).unwrap();
+    recorder.run(&mut run, to, &|_, _| {}).unwrap();
     run.run(&|_, _| {}).unwrap();
     (recorder.finish(), run.counters())
 }

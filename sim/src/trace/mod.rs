@@ -3,7 +3,7 @@
 //! One stream of events, in which a cycle takes 16 bytes, and several ways to write it down:
 //!
 //! ```text
-//!   Machine::run_until ──cycle──► Recorder ──► Recording ──replay──► fst | kanata | perfetto
+//!   Machine::run_until ──see──► Recorder ──► Recording ──replay──► fst | kanata | perfetto
 //! ```
 
 mod fst;
@@ -49,13 +49,4 @@ impl TokenKind {
             TokenKind::Ray => "slot",
         }
     }
-}
-
-/// What happened at a channel in a cycle.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Move {
-    /// The token pushed.
-    pub pushed: Option<Token>,
-    /// Whether the oldest token was popped.
-    pub popped: bool,
 }
