@@ -240,7 +240,7 @@ proptest! {
                 let [start, duration] = ["ts", "dur"].map(|key| slice[key].as_f64().unwrap());
                 prop_assert!((start - at as f64 * 1e6 / machine.clock_hz).abs() <= 0.000_501 + start * 1e-15);
                 if let Some(end) = end_us {
-                    prop_assert!((start - end as f64).abs() < 0.000_2 + start * 1e-14, "and leave no gap");
+                    prop_assert!((start - end).abs() < 0.000_2 + start * 1e-14, "and leave no gap");
                 }
                 end_us = Some(start + duration);
                 at += cycles;
