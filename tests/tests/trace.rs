@@ -230,7 +230,7 @@ proptest! {
         let trace = trace["traceEvents"].as_array().unwrap();
         for unit in 0..UNITS {
             let mut at = from;
-            let mut end_us = None;
+            let mut end_us: Option<f64> = None;
             for slice in trace.iter().filter(|event| event["ph"] == "X" && event["tid"] == unit + 1) {
                 prop_assert_eq!(slice["args"]["cycle"].as_u64(), Some(at), "slices follow one another");
                 let cycles = slice["args"]["cycles"].as_u64().unwrap();
