@@ -4,7 +4,7 @@ use crate::function::{CanonicalVolume, render};
 use crate::inputs::{self, LoadedVolume};
 use crate::machine::{Machine, RunError};
 use crate::problem::Outcome;
-use crate::trace::{Format, Recorder, Unobserved, Window};
+use crate::trace::{Format, Recorder, Window};
 use cube3_channel::{Channel, Pipe, Unit};
 use cube3_host::{Frame, MachineSpec, VolumeInfo, frame_setup};
 use cube3_scene::{Scene, VolumeSource};
@@ -35,6 +35,9 @@ pub struct Measurement {
     /// What it stands beside.
     pub note: String,
 }
+
+/// Cycles of the window that is traced.
+const WINDOW_CYCLES: u64 = 1000;
 
 /// Bytes that the bandwidth test copies from and to, each: several times any cache.
 const COPY_BYTES: usize = 256 << 20;
@@ -158,9 +161,9 @@ pub fn measure(plan: &Plan) -> Outcome<Vec<Measurement>> {
     rows.push(row("timing, units", speed, 1e6, "M unit-ticks/s", format!("{:.2} of the pipe's", speed / ticks)));
     for (what, format) in [
         ("timing, the whole frame recorded", None),
-        ("timing, a tenth recorded, and written as FST", Some(Format::Fst)),
-        ("timing, a tenth recorded, and written as Kanata", Some(Format::Kanata)),
-        ("timing, a tenth recorded, and written as JSON", Some(Format::Perfetto)),
+        ("timing, 1000 cycles traced as FST", Some(Format::Fst)),
+        ("timing, 1000 cycles traced as Kanata", Some(Format::Kanata)),
+        ("timing, 1000 cycles traced as JSON", Some(Format::Perfetto)),
     ] {
         let ratio = traced(plan, format)?;
         rows.push(row(what, ratio, 1.0, "times as long", "as the frame without a trace".into()));
@@ -190,8 +193,8 @@ fn timing_case(plan: &Plan) -> Outcome<(MachineSpec, Frame)> {
     Ok((machine, frame))
 }
 
-/// How much longer a timing run takes with a recording: of the whole frame and kept in memory, or of its middle tenth and made
-/// into a file of a format. Runs with and without are measured in turn.
+/// How much longer a timing run takes with a recording: of the whole frame and kept in memory, or of a window in its middle and
+/// made into a file of a format. Runs with and without are measured in turn.
 fn traced(plan: &Plan, format: Option<Format>) -> Outcome<f64> {
     let (machine, frame) = timing_case(plan)?;
     let frames = || vec![frame.setup.clone()];
@@ -200,7 +203,7 @@ fn traced(plan: &Plan, format: Option<Format>) -> Outcome<f64> {
     let cycles = plain.counters().cycles;
     let window = match format {
         None => Window { from: 0, to: cycles },
-        Some(_) => Window { from: cycles / 2, to: cycles / 2 + (cycles / 10).max(1) },
+        Some(_) => Window { from: cycles / 2, to: cycles / 2 + WINDOW_CYCLES },
     };
     let mut ratios = Vec::new();
     for _ in 0..=plan.repeats {
@@ -210,9 +213,9 @@ fn traced(plan: &Plan, format: Option<Format>) -> Outcome<f64> {
         let without = start.elapsed().as_secs_f64();
         let mut run = Machine::timing(&machine, frames())?;
         let start = Instant::now();
-        run.run_until(window.from, &mut Unobserved, &|_, _| {})?;
+        run.run_until(window.from, &|_, _| {})?;
         let mut recorder = Recorder::new(&run, window, machine.clock_hz);
-        run.run_until(window.to, &mut recorder, &|_, _| {})?;
+        recorder.run(&mut run, window.to, &|_, _| {})?;
         run.run(&|_, _| {})?;
         let recording = recorder.finish();
         if let Some(format) = format {

@@ -5,7 +5,7 @@ use crate::fidelity::Fidelity;
 use crate::machine::{Machine, RunError};
 use crate::output::write_whole;
 use crate::problem::Outcome;
-use crate::trace::{Format, Recorder, Recording, TraceError, Unobserved, Window};
+use crate::trace::{Format, Recorder, Recording, TraceError, Window};
 use std::path::PathBuf;
 
 /// A trace that is asked for.
@@ -65,12 +65,12 @@ pub fn run_clocked<F: Fidelity>(
     cycles.extend(stops.checkpoint.as_ref().map(|(at, _)| *at));
     cycles.push(u64::MAX);
     cycles.sort_unstable();
-    let (mut recorder, mut recording) = (None, None);
+    let (mut recorder, mut recording): (Option<Recorder>, Option<Recording>) = (None, None);
     let mut saved = false;
     for stop in cycles {
         let done = match &mut recorder {
-            Some(recorder) => machine.run_until(stop, recorder, progress),
-            None => machine.run_until(stop, &mut Unobserved, progress),
+            Some(recorder) => recorder.run(machine, stop, progress),
+            None => machine.run_until(stop, progress),
         };
         match done {
             Ok(true) => break,

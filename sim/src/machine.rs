@@ -7,7 +7,7 @@
 use crate::fidelity::{Cycle, Fidelity, Timing};
 use crate::host_port::{Collector, HostCounters, HostPort, NoHost};
 use crate::links::{RayWords, channels};
-use crate::trace::{Move, Observe, Token, TokenKind, Unobserved};
+use crate::trace::{Token, TokenKind};
 use cube3_abc::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, Shader};
 use cube3_cfb::golden::Skew;
 use cube3_cfb::memory::Modules;
@@ -44,6 +44,8 @@ pub struct Joint {
 /// A machine with the registers of the frames that it is to render, one after another.
 pub struct Machine<F: Fidelity> {
     frames: Vec<FrameSetup>,
+    /// Ray slots of all frames.
+    slots: u64,
     overlap: bool,
     /// Words of a ray on the links between boards, for each frame.
     ray_words: Vec<RayWords>,
@@ -332,6 +334,7 @@ impl<F: Fidelity> Machine<F> {
             cycle: 0,
             last_move: 0,
             frame_ends: Vec::with_capacity(frames.len()),
+            slots: frames.iter().map(slots_of).sum(),
             overlap: machine.frames.overlap,
             frames,
         })
@@ -348,9 +351,9 @@ impl<F: Fidelity> Machine<F> {
     }
 
     /// One cycle. Every unit ticks, each with the channels at its ends; then every channel commits. What each unit did, in the
-    /// order of [`Machine::UNITS`]; the observer sees it, and what moved, before the commit.
+    /// order of [`Machine::UNITS`].
     #[inline]
-    fn tick<O: Observe>(&mut self, observer: &mut O) -> [Activity; UNITS] {
+    fn tick(&mut self) -> [Activity; UNITS] {
         let frames = &self.frames;
         let released = if self.overlap { u32::MAX } else { self.host.frames_done() + 1 };
         let host = self.host.tick(frames, &mut self.pixels);
@@ -360,23 +363,19 @@ impl<F: Fidelity> Machine<F> {
         let [write, read] = self.dsb.tick(&mut self.aligned, &mut self.rays);
         let bus = self.bus.tick(frames, &mut self.beams, &mut self.aligned);
         let cfb = self.cfb.tick(frames, released, &mut self.beams);
-        let activities = [cfb, bus, write, read, trilin, abc, cone, host];
-        if O::WATCHES {
-            observer.cycle(&activities, self.moves());
-        }
         self.commit();
         if self.host.frames_done() as usize > self.frame_ends.len() {
             self.frame_ends.push(self.cycle);
         }
-        activities
+        [cfb, bus, write, read, trilin, abc, cone, host]
     }
 
-    /// What was pushed and popped in this cycle.
+    /// What each channel has counted, and the token that it was given last, where it holds it; in the order of [`Machine::JOINTS`].
     #[inline]
-    fn moves(&self) -> [Move; CHANNELS] {
+    pub fn newest(&self) -> [(ChannelCounters, Option<Token>); CHANNELS] {
         #[inline]
-        fn of<T: Identity>(channel: &Channel<T>) -> Move {
-            Move { pushed: channel.pushed().map(Identity::token), popped: channel.popped() }
+        fn of<T: Identity>(channel: &Channel<T>) -> (ChannelCounters, Option<Token>) {
+            (channel.counters(), channel.newest().map(Identity::token))
         }
         [of(&self.beams), of(&self.aligned), of(&self.rays), of(&self.samples), of(&self.shaded), of(&self.pixels)]
     }
@@ -407,7 +406,7 @@ impl<F: Fidelity> Machine<F> {
 
     /// Ray slots of all frames.
     fn ray_slots(&self) -> u64 {
-        self.frames.iter().map(slots_of).sum()
+        self.slots
     }
 
     /// Runs the frames; `progress(done, all)` is called now and then with the slots at the host.
@@ -415,25 +414,20 @@ impl<F: Fidelity> Machine<F> {
     /// # Errors
     /// A machine that cannot move; nothing has been waited for longer than the longest channel latency.
     pub fn run(&mut self, progress: &dyn Fn(u64, u64)) -> Result<(), Deadlock> {
-        self.run_until(u64::MAX, &mut Unobserved, progress).map(|_| ())
+        self.run_until(u64::MAX, progress).map(|_| ())
     }
 
     /// Runs on to the last pixel, or until `stop` cycles have passed since the start of the run. Whether the last pixel has come.
     ///
     /// # Errors
     /// As [`Machine::run`].
-    pub fn run_until<O: Observe>(
-        &mut self,
-        stop: u64,
-        observer: &mut O,
-        progress: &dyn Fn(u64, u64),
-    ) -> Result<bool, Deadlock> {
+    pub fn run_until(&mut self, stop: u64, progress: &dyn Fn(u64, u64)) -> Result<bool, Deadlock> {
         let all = self.ray_slots();
         while self.host.received() < all {
             if self.cycle >= stop {
                 return Ok(false);
             }
-            if self.tick(observer).into_iter().any(Activity::is_active) {
+            if self.tick().into_iter().any(Activity::is_active) {
                 self.last_move = self.cycle;
             } else if !self.in_flight() {
                 return Err(self.deadlock());
@@ -482,10 +476,11 @@ impl<F: Fidelity> Machine<F> {
         frames.map(|(setup, words)| words.times(slots_of(setup))).fold(RayWords::default(), RayWords::plus)
     }
 
-    /// The counters so far.
-    pub fn counters(&self) -> RunCounters {
+    /// What each unit did with its cycles, in the order of [`Machine::UNITS`].
+    #[inline]
+    pub fn accounts(&self) -> [&Account; UNITS] {
         let [write, read] = self.dsb.accounts();
-        let accounts = [
+        [
             self.cfb.account(),
             self.bus.account(),
             write,
@@ -494,8 +489,12 @@ impl<F: Fidelity> Machine<F> {
             self.abc.account(),
             self.cone.account(),
             self.host.account(),
-        ];
-        let units = Self::UNITS.into_iter().zip(accounts.map(|account| *account)).collect();
+        ]
+    }
+
+    /// The counters so far.
+    pub fn counters(&self) -> RunCounters {
+        let units = Self::UNITS.into_iter().zip(self.accounts().map(|account| *account)).collect();
         let channels = self.standings().map(|standing| standing.reading).into();
         RunCounters {
             cycles: self.cycle,
@@ -516,6 +515,7 @@ impl<F: Fidelity> Archived for Machine<F> {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
         let Machine {
             frames: _,
+            slots: _,
             overlap: _,
             ray_words: _,
             cfb,

@@ -3,7 +3,6 @@
 use cube3::checkpoint::{CheckpointError, Identity, restore, save};
 use cube3::fidelity::Fidelity;
 use cube3::machine::Machine;
-use cube3::trace::Unobserved;
 use cube3_host::{FrameSetup, Frames, MachineSpec, frame_setup};
 use cube3_scene::Scene;
 use cube3_tests::{SmallVolume, machines, scenes, volumes};
@@ -54,7 +53,7 @@ fn finish<F: Fidelity>(mut machine: Machine<F>) -> Machine<F> {
 fn interrupted<F: Fidelity>(build: impl Fn() -> Machine<F>, identity: &Identity, stops: &[u64]) -> Machine<F> {
     let mut machine = build();
     for &stop in stops {
-        assert!(!machine.run_until(stop, &mut Unobserved, &|_, _| {}).unwrap());
+        assert!(!machine.run_until(stop, &|_, _| {}).unwrap());
         let bytes = save(&mut machine, identity).unwrap();
         machine = build();
         restore(&bytes, &mut machine, identity).unwrap();
@@ -90,7 +89,7 @@ proptest! {
     #[test]
     fn another_run_is_refused(case in cases(), other in cases(), fraction in 0.0..1.0_f64, word: Index) {
         let mut machine = case.timing();
-        machine.run_until((200.0 * fraction) as u64, &mut Unobserved, &|_, _| {}).unwrap();
+        machine.run_until((200.0 * fraction) as u64, &|_, _| {}).unwrap();
         let identity = case.identity("timing");
         let bytes = save(&mut machine, &identity).unwrap();
         let differs = |other: &Case, fidelity: &str| match restore(&bytes, &mut other.timing(), &other.identity(fidelity)) {
@@ -113,7 +112,7 @@ proptest! {
     #[test]
     fn damage_is_found(case in cases(), fraction in 0.0..1.0_f64, place: Index, flip in 1_u8..=255, cut: Index, noise: Vec<u8>) {
         let mut machine = case.cycle();
-        machine.run_until((200.0 * fraction) as u64, &mut Unobserved, &|_, _| {}).unwrap();
+        machine.run_until((200.0 * fraction) as u64, &|_, _| {}).unwrap();
         let identity = case.identity("cycle");
         let bytes = save(&mut machine, &identity).unwrap();
         let read = |bytes: &[u8]| restore(bytes, &mut case.cycle(), &identity);

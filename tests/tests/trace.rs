@@ -4,7 +4,7 @@ use cube3::clocked::{Stops, TraceRequest};
 use cube3::inputs;
 use cube3::machine::{CHANNELS, Machine, RunCounters, UNITS};
 use cube3::run::{Reference, RunOptions, Runs, run_frame_with};
-use cube3::trace::{Events, Format, Recorder, Recording, Token, TokenKind, Unobserved, Window};
+use cube3::trace::{Events, Format, Recorder, Recording, Token, TokenKind, Window};
 use cube3_channel::{Account, Activity};
 use cube3_host::{FrameSetup, Frames, MachineSpec, frame_setup};
 use cube3_scene::{Scene, VolumeSource};
@@ -17,9 +17,9 @@ use std::path::Path;
 /// A timing run of some frames, traced from one cycle to another, and its counters.
 fn traced(machine: &MachineSpec, setups: &[FrameSetup], from: u64, to: u64) -> (Recording, RunCounters) {
     let mut run = Machine::timing(machine, setups.to_vec()).unwrap();
-    run.run_until(from, &mut Unobserved, &|_, _| {}).unwrap();
+    run.run_until(from, &|_, _| {}).unwrap();
     let mut recorder = Recorder::new(&run, Window { from, to }, machine.clock_hz);
-    run.run_until(to, &mut recorder, &|_, _| {}).unwrap();
+    recorder.run(&mut run, to, &|_, _| {}).unwrap();
     run.run(&|_, _| {}).unwrap();
     (recorder.finish(), run.counters())
 }
@@ -230,7 +230,7 @@ proptest! {
         let trace = trace["traceEvents"].as_array().unwrap();
         for unit in 0..UNITS {
             let mut at = from;
-            let mut end_us = None;
+            let mut end_us: Option<f64> = None;
             for slice in trace.iter().filter(|event| event["ph"] == "X" && event["tid"] == unit + 1) {
                 prop_assert_eq!(slice["args"]["cycle"].as_u64(), Some(at), "slices follow one another");
                 let cycles = slice["args"]["cycles"].as_u64().unwrap();
@@ -240,7 +240,7 @@ proptest! {
                 let [start, duration] = ["ts", "dur"].map(|key| slice[key].as_f64().unwrap());
                 prop_assert!((start - at as f64 * 1e6 / machine.clock_hz).abs() <= 0.000_501 + start * 1e-15);
                 if let Some(end) = end_us {
-                    prop_assert!((start - end as f64).abs() < 0.000_2 + start * 1e-14, "and leave no gap");
+                    prop_assert!((start - end).abs() < 0.000_2 + start * 1e-14, "and leave no gap");
                 }
                 end_us = Some(start + duration);
                 at += cycles;

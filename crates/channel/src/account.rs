@@ -116,6 +116,22 @@ impl Account {
         activity
     }
 
+    /// What the unit did in the one cycle since `before`.
+    #[inline]
+    pub fn since(&self, before: &Account) -> Activity {
+        if self.busy != before.busy {
+            return Activity::Busy;
+        }
+        if self.blocked != before.blocked {
+            return Activity::Blocked;
+        }
+        let waited = Reason::ALL.iter().find(|(reason, _)| {
+            let i = *reason as usize;
+            self.starved == before.starved && self.waiting[i] != before.waiting[i]
+        });
+        waited.map_or(Activity::Starved, |(reason, _)| Activity::Waiting(*reason))
+    }
+
     /// All cycles counted.
     pub fn cycles(&self) -> u64 {
         self.busy + self.starved + self.blocked + self.waiting.iter().sum::<u64>()
@@ -135,8 +151,12 @@ mod tests {
     fn every_activity_has_its_own_code_and_name() {
         let all: Vec<Activity> = (0..Activity::COUNT as u8).filter_map(Activity::from_code).collect();
         assert_eq!(all.len(), Activity::COUNT);
+        let mut account = Account::default();
         for (code, activity) in all.iter().enumerate() {
             assert_eq!(usize::from(activity.code()), code);
+            let before = account;
+            account.record(*activity);
+            assert_eq!(account.since(&before), *activity);
         }
         for (place, (reason, name)) in Reason::ALL.into_iter().enumerate() {
             assert_eq!(reason as usize, place);

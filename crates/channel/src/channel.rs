@@ -169,16 +169,10 @@ impl<T> Channel<T> {
         (0..self.len).any(|i| self.ready[(self.head + i) & self.mask] >= self.now)
     }
 
-    /// The token that was pushed in this cycle, until the commit.
+    /// The token that was pushed last, while it is held.
     #[inline]
-    pub fn pushed(&self) -> Option<&T> {
-        self.pushed.then(|| &self.slots[(self.head + self.len - 1) & self.mask])
-    }
-
-    /// Whether a token was popped in this cycle, until the commit.
-    #[inline]
-    pub fn popped(&self) -> bool {
-        self.popped
+    pub fn newest(&self) -> Option<&T> {
+        (self.len > 0).then(|| &self.slots[(self.head + self.len - 1) & self.mask])
     }
 
     /// The tokens held, oldest first, each with the cycles until it can be popped.
@@ -309,17 +303,19 @@ mod tests {
     }
 
     #[test]
-    fn what_was_pushed_and_popped_can_be_seen_until_the_commit() {
-        let mut channel = Channel::new("c", 2, 1).unwrap();
-        assert_eq!((channel.pushed(), channel.popped()), (None, false));
+    fn tokens_can_be_seen_while_they_are_held() {
+        let mut channel = Channel::new("c", 2, 2).unwrap();
+        assert_eq!(channel.newest(), None);
         channel.push(5).unwrap();
-        assert_eq!((channel.pushed(), channel.popped()), (Some(&5), false));
-        assert_eq!(channel.held().collect::<Vec<_>>(), [(&5, 1)]);
         channel.commit();
-        assert_eq!((channel.pushed(), channel.popped()), (None, false));
-        channel.pop();
         channel.push(6).unwrap();
-        assert_eq!((channel.pushed(), channel.popped()), (Some(&6), true));
+        channel.commit();
+        assert_eq!(channel.newest(), Some(&6));
+        assert_eq!(channel.held().collect::<Vec<_>>(), [(&5, 0), (&6, 1)]);
+        channel.pop();
+        channel.commit();
+        assert_eq!(channel.pop(), Some(6));
+        assert_eq!(channel.newest(), None);
     }
 
     #[test]

@@ -3,9 +3,8 @@
 //! One stream of events, in which a cycle takes 16 bytes, and several ways to write it down:
 //!
 //! ```text
-//!   Machine::run_until ──Observe──► Recorder ──► Recording ──replay──► fst | kanata | perfetto
+//!   Machine::run_until ──see──► Recorder ──► Recording ──replay──► fst | kanata | perfetto
 //! ```
-//! Without an observer the clock's loop is compiled without any of this.
 
 mod fst;
 mod kanata;
@@ -13,9 +12,6 @@ mod perfetto;
 mod recording;
 
 pub use recording::{Events, Format, Recorder, Recording, TraceError, Track, Window};
-
-use crate::machine::{CHANNELS, UNITS};
-use cube3_channel::Activity;
 
 /// Who a token is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -53,34 +49,4 @@ impl TokenKind {
             TokenKind::Ray => "slot",
         }
     }
-}
-
-/// What happened at a channel in a cycle.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Move {
-    /// The token pushed.
-    pub pushed: Option<Token>,
-    /// Whether the oldest token was popped.
-    pub popped: bool,
-}
-
-/// Something that sees each cycle.
-pub trait Observe {
-    /// Whether it looks at all; where not, nothing is prepared for it.
-    const WATCHES: bool;
-
-    /// A cycle: what each unit did, in the order of [`crate::machine::Machine::UNITS`], and what moved, in that of
-    /// [`crate::machine::Machine::JOINTS`].
-    fn cycle(&mut self, activities: &[Activity; UNITS], moves: [Move; CHANNELS]);
-}
-
-/// Nobody looks.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Unobserved;
-
-impl Observe for Unobserved {
-    const WATCHES: bool = false;
-
-    #[inline(always)]
-    fn cycle(&mut self, _: &[Activity; UNITS], _: [Move; CHANNELS]) {}
 }

@@ -1,9 +1,9 @@
 //! The event stream: packed while the machine runs, unpacked cycle by cycle afterwards.
 
-use super::{Move, Observe, Token, fst, kanata, perfetto};
+use super::{Token, fst, kanata, perfetto};
 use crate::fidelity::Fidelity;
 use crate::machine::{CHANNELS, Joint, Machine, UNITS};
-use cube3_channel::Activity;
+use cube3_channel::{Account, Activity, Deadlock};
 use std::collections::VecDeque;
 use std::path::Path;
 
@@ -156,6 +156,9 @@ const _: () = assert!(UNITS <= 16 && CHANNELS <= 16 && Activity::COUNT <= 16);
 #[derive(Clone, Debug)]
 pub struct Recorder {
     recording: Recording,
+    /// What the units had done, and pushes and pops, before the cycle.
+    accounts: [Account; UNITS],
+    moves: [[u64; 2]; CHANNELS],
     /// The token that is expected next in each channel.
     next: [Token; CHANNELS],
 }
@@ -178,33 +181,53 @@ impl Recorder {
             cycles: Vec::with_capacity((window.to - window.from) as usize),
             jumps: Vec::new(),
         };
-        Recorder { recording, next: [Token::default(); CHANNELS] }
+        Recorder {
+            recording,
+            accounts: machine.accounts().map(|account| *account),
+            moves: machine.newest().map(|(counters, _)| [counters.pushes, counters.pops]),
+            next: [Token::default(); CHANNELS],
+        }
     }
 
     /// What was seen.
     pub fn finish(self) -> Recording {
         self.recording
     }
-}
 
-/// The token that mostly comes after another in a channel.
-#[inline]
-fn successor(token: Token) -> Token {
-    Token { place: token.place.wrapping_add(1), ..token }
-}
+    /// Runs a machine on to the last pixel, or until `stop` cycles have passed, and sees each cycle. Whether the last pixel has come.
+    ///
+    /// # Errors
+    /// As [`Machine::run`].
+    pub fn run<F: Fidelity>(
+        &mut self,
+        machine: &mut Machine<F>,
+        stop: u64,
+        progress: &dyn Fn(u64, u64),
+    ) -> Result<bool, Deadlock> {
+        while machine.now() < stop {
+            let before = machine.now();
+            let done = machine.run_until(before + 1, progress);
+            if machine.now() > before {
+                self.see(machine);
+            }
+            if done? {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
 
-impl Observe for Recorder {
-    const WATCHES: bool = true;
-
-    #[inline]
-    fn cycle(&mut self, activities: &[Activity; UNITS], moves: [Move; CHANNELS]) {
+    /// Sees the cycle that has just passed, by what the counters have become.
+    fn see<F: Fidelity>(&mut self, machine: &Machine<F>) {
         let mut packed = Packed { activities: 0, pushed: 0, popped: 0, jumped: 0 };
-        for (i, activity) in activities.iter().enumerate() {
+        for (i, (before, account)) in self.accounts.iter_mut().zip(machine.accounts()).enumerate() {
+            let activity = before.record(account.since(before));
             packed.activities |= u64::from(activity.code()) << (4 * i);
         }
-        for (i, Move { pushed, popped }) in moves.into_iter().enumerate() {
-            packed.popped |= u16::from(popped) << i;
-            if let Some(token) = pushed {
+        for (i, (counters, newest)) in machine.newest().into_iter().enumerate() {
+            let [pushes, pops] = &mut self.moves[i];
+            packed.popped |= u16::from(counters.pops != *pops) << i;
+            if let Some(token) = newest.filter(|_| counters.pushes != *pushes) {
                 packed.pushed |= 1 << i;
                 if token != self.next[i] {
                     packed.jumped |= 1 << i;
@@ -212,9 +235,16 @@ impl Observe for Recorder {
                 }
                 self.next[i] = successor(token);
             }
+            (*pushes, *pops) = (counters.pushes, counters.pops);
         }
         self.recording.cycles.push(packed);
     }
+}
+
+/// The token that mostly comes after another in a channel.
+#[inline]
+fn successor(token: Token) -> Token {
+    Token { place: token.place.wrapping_add(1), ..token }
 }
 
 /// A channel of a recording.
