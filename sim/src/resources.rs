@@ -142,7 +142,8 @@ fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSetup]) -> Vec
     let plane = |setup: &FrameSetup| setup.geometry.slot_counts()[0] as u64 * setup.geometry.size[2] as u64;
     let closes = |setup: &FrameSetup, axis: usize| u64::from(setup.geometry.closes()[axis]);
     let ring = machine.dsb.planes as u64;
-    let planes = most(&|setup| (ring + twice * closes(setup, 1)) * plane(setup));
+    let copies = |setup: &FrameSetup| if setup.geometry.doubled() { 4 } else { 1 };
+    let planes = most(&|setup| copies(setup) * (ring + twice * closes(setup, 1)) * plane(setup));
     kind("skewed buffers", format!("{planes} voxels of {voxel_bits} bits"), planes * voxel_bits);
     let sample_bits = u64::from(words.sample_bits());
     let kept_rays = match machine.trilin.reuse {
@@ -164,10 +165,16 @@ fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSetup]) -> Vec
     let lanes = machine.lanes as u64;
     kind("tables", format!("{lanes} lanes × {tables} bits"), lanes * tables);
     let templates = most(&|setup| {
-        let depth = setup.geometry.size[2] as u64;
-        2 * depth * (1 + u64::from(words.weight_bits) + 1)
+        let geometry = &setup.geometry;
+        let depth = geometry.size[2] as u64;
+        // A step and a weight; in perspective a column and a weight for each ray.
+        let (rays, place) = match &geometry.perspective {
+            None => (2, 1),
+            Some(pass) => ((pass.u.count() + pass.v.count()) as u64, 16),
+        };
+        rays * depth * (place + u64::from(words.weight_bits) + 1)
     });
-    kind("templates", format!("{twice} × {templates} bits of steps and weights"), twice * templates);
+    kind("templates", format!("{twice} × {templates} bits of columns and weights"), twice * templates);
     memory
 }
 

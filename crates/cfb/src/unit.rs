@@ -91,7 +91,9 @@ impl Fetch for FrameBuffer {
 /// Data sheet of the frame buffer for one frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CfbSpec {
-    /// Cycles of a beam without conflicts: ⌈n_u / lanes⌉.
+    /// Rows of voxels that a beam fetches: 1, or 2 where slots need their own cells.
+    pub rows: u64,
+    /// Cycles of a beam without conflicts: ⌈n_u / lanes⌉ for each row.
     pub beam_cycles: u64,
     /// Further cycles of a beam, in which modules serve voxels that share one.
     pub conflict_cycles: u64,
@@ -103,7 +105,8 @@ impl CfbSpec {
         let skew = Skew { coefficients: machine.cfb.skew, lanes: machine.lanes };
         let beam_cycles = geometry.size[0].div_ceil(machine.lanes) as u64;
         let all = skew.beam_cycles(geometry.axes.axis[0], geometry.size[0]) as u64;
-        CfbSpec { beam_cycles, conflict_cycles: all - beam_cycles }
+        let rows = if geometry.doubled() { 2 } else { 1 };
+        CfbSpec { rows, beam_cycles: rows * beam_cycles, conflict_cycles: rows * (all - beam_cycles) }
     }
 
     /// Cycles of a beam, or of a padded plane's depth outside of the volume, that waits for nothing.
@@ -281,7 +284,8 @@ impl<F: Fetch> CfbUnit<F> {
             beam.row = row;
             if let Some(v) = row {
                 self.memory.fetch(setup, plane as usize, v as usize, depth as usize, &mut beam.data);
-                self.state.fetched += 1;
+                let below = setup.geometry.row_below(plane as usize, depth as usize);
+                self.state.fetched += 1 + u64::from(spec.rows == 2 && below.is_some());
                 if let Some(port) = &mut self.port {
                     port.fetched();
                 }

@@ -102,11 +102,37 @@ impl BoardSpec {
         })
     }
 
-    /// The words of that beam in closed form: of words that turn by r lanes, those cross a link that start in the r lanes before it.
-    pub fn link_words(&self, geometry: &Geometry, v: usize, depth: usize) -> LinkWords {
+    /// The lanes from and to which the words of a perspective plane's beam at a depth move: for each slot its column; where slots need
+    /// their own cells, two columns of two rows.
+    pub fn gathered(&self, geometry: &Geometry, plane: usize, depth: usize) -> Vec<[usize; 2]> {
+        let mut moves = Vec::new();
+        let Some(pass) = &geometry.perspective else {
+            return moves;
+        };
+        let copies = if pass.doubled { 2 } else { 1 };
+        let rows = [geometry.row_at(pass.v.first + plane as i64, depth), geometry.row_below(plane, depth)];
+        for row in rows.into_iter().take(copies).flatten() {
+            for columns in [pass.u.near_row(depth), pass.u.right_row(depth)].into_iter().take(copies) {
+                let inside = columns.iter().enumerate().filter(|(_, x)| (0..geometry.size[0] as i32).contains(x));
+                moves.extend(
+                    inside.map(|(j, &x)| {
+                        [output_lane(self.lanes, [x as usize, row, depth]), module(self.lanes, j, depth)]
+                    }),
+                );
+            }
+        }
+        moves
+    }
+
+    /// The words of a beam of a plane, row and depth. In a parallel view in closed form: of words that turn by r lanes, those cross a
+    /// link that start in the r lanes before it.
+    pub fn link_words(&self, geometry: &Geometry, [plane, v, depth]: [usize; 3]) -> LinkWords {
         let mut words = LinkWords::default();
         if self.boards == 1 {
             return words;
+        }
+        if geometry.perspective.is_some() {
+            return self.hopped(&self.gathered(geometry, plane, depth));
         }
         let groups = self.groups(geometry, v, depth);
         for board in 0..self.boards {
@@ -124,6 +150,20 @@ impl BoardSpec {
             words.all += crossing[0] + crossing[1];
         }
         words
+    }
+
+    /// The same as [`BoardSpec::walk`], from board to board.
+    fn hopped(&self, moves: &[[usize; 2]]) -> LinkWords {
+        let mut links = vec![[0_u64; 2]; self.boards];
+        for &[from, to] in moves {
+            let backwards = 2 * ((to + self.lanes - from) % self.lanes) > self.lanes;
+            let [mut at, end] = if backwards { [to, from] } else { [from, to] }.map(|lane| self.board(lane));
+            while at != end {
+                at = (at + 1) % self.boards;
+                links[at][usize::from(backwards)] += 1;
+            }
+        }
+        LinkWords { busiest: links.iter().flatten().copied().max().unwrap_or(0), all: links.iter().flatten().sum() }
     }
 
     /// The words of a beam by how far they turn: those at and behind the column of the discrete rays, and those before it, which are
@@ -188,7 +228,7 @@ mod tests {
             let walk = spec.walk(spec.moves(&geometry, v, depth));
             let busiest = walk.iter().flatten().copied().max().unwrap();
             let all = walk.iter().flatten().sum();
-            prop_assert_eq!(spec.link_words(&geometry, v, depth), LinkWords { busiest, all });
+            prop_assert_eq!(spec.link_words(&geometry, [0, v, depth]), LinkWords { busiest, all });
         }
 
         #[test]
@@ -200,7 +240,7 @@ mod tests {
             let boards = 2 + (part * (n - 1) as f64) as usize;
             let row = (plane + geometry.v.columns[depth] as usize) % n;
             let turned = rotation(&geometry, plane, depth);
-            let words = BoardSpec { boards, lanes: n, latency: 1 }.link_words(&geometry, row, depth);
+            let words = BoardSpec { boards, lanes: n, latency: 1 }.link_words(&geometry, [0, row, depth]);
             let each = turned.min(n - turned) as u64;
             prop_assert_eq!(words, LinkWords { busiest: each, all: boards as u64 * each });
         }

@@ -67,7 +67,7 @@ impl Align for Rotator {
 /// Data sheet of the bus for one frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BusSpec {
-    /// Words of a beam: n_u.
+    /// Words of a beam: n_u; where slots need their own cells, four for each slot.
     pub words: u64,
     /// Cycles that the lanes need to give and take a beam: ⌈n_u / lanes⌉.
     pub lane_cycles: u64,
@@ -78,11 +78,12 @@ pub struct BusSpec {
 impl BusSpec {
     /// The data sheet for a machine and the geometry of a frame.
     pub fn new(machine: &MachineSpec, geometry: &Geometry) -> BusSpec {
-        let words = geometry.size[0];
+        // Where slots need their own cells, two rows are gathered twice, each time for every slot.
+        let (words, gathers) = if geometry.doubled() { (geometry.slot_counts()[0], 4) } else { (geometry.size[0], 1) };
         BusSpec {
-            words: words as u64,
-            lane_cycles: words.div_ceil(machine.lanes) as u64,
-            slices: words.div_ceil(channels(machine)) as u64,
+            words: gathers * words as u64,
+            lane_cycles: gathers * words.div_ceil(machine.lanes) as u64,
+            slices: gathers * words.div_ceil(channels(machine)) as u64,
         }
     }
 }
@@ -204,7 +205,8 @@ impl<B: Align> BusUnit<B> {
         if self.limited
             && let Some(v) = beam.row
         {
-            let waits = self.waits(spec, &frames[frame].geometry, v as usize, beam.depth as usize);
+            let place = [beam.plane, v, beam.depth].map(|i| i as usize);
+            let waits = self.waits(spec, &frames[frame].geometry, place);
             if self.state.spent >= needed {
                 // The cycle in which the last words come is one of waiting, too; which resource they wait for was told before.
                 activity = Activity::Waiting(waits.unwrap_or_else(|| self.last_reason(spec)));
@@ -241,12 +243,12 @@ impl<B: Align> BusUnit<B> {
 }
 
 impl<B> BusUnit<B> {
-    /// What the beam in hand, of row `v` at a depth, waits for beyond this cycle: slices, or words on a link.
-    fn waits(&mut self, spec: BusSpec, geometry: &Geometry, v: usize, depth: usize) -> Option<Reason> {
+    /// What the beam in hand, of a plane, its row `v` and a depth, waits for beyond this cycle: slices, or words on a link.
+    fn waits(&mut self, spec: BusSpec, geometry: &Geometry, place: [usize; 3]) -> Option<Reason> {
         let state = &mut self.state;
         let boards = &self.boards;
         let [busiest, _] = *state.crossing.get_or_insert_with(|| {
-            let words = boards.link_words(geometry, v, depth);
+            let words = boards.link_words(geometry, place);
             [words.busiest, words.all]
         });
         if state.slices.is_some_and(|slices| !slices.completes(spec.slices)) {

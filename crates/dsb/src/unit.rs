@@ -105,7 +105,8 @@ impl Store for PlaneStore {
 pub struct DsbSpec {
     /// Planes in the ring.
     pub planes: usize,
-    /// Cycles to write a beam: ⌈n_u / lanes⌉.
+    /// Cycles to write a beam: ⌈n_u / lanes⌉; where slots need their own cells, ⌈slots / lanes⌉, the four words of a slot side by
+    /// side.
     pub write_cycles: u64,
     /// Cycles to read a ray: ⌈n_w / lanes⌉.
     pub read_cycles: u64,
@@ -127,7 +128,7 @@ impl DsbSpec {
         let [slots, frame_planes] = geometry.slot_counts();
         DsbSpec {
             planes: machine.dsb.planes,
-            write_cycles: geometry.size[0].div_ceil(machine.lanes) as u64,
+            write_cycles: if geometry.doubled() { slots } else { geometry.size[0] }.div_ceil(machine.lanes) as u64,
             read_cycles: geometry.size[2].div_ceil(machine.lanes) as u64,
             depths: geometry.size[2] as u32,
             slots: slots as u32,

@@ -127,6 +127,7 @@ pub(crate) fn checked_view(scene: &Scene, volume: &VolumeInfo) -> Result<ViewFra
 
 /// What the machine cannot do for rays of many directions.
 pub(crate) fn check_perspective(scene: &Scene, machine: &MachineSpec) -> Result<(), HostError> {
+    check_bus(machine, true)?;
     let (lit, rows) = (is_lit(scene), scene.transfer.is_two_dimensional());
     let gradient = machine.abc.gradient;
     if (lit || rows) && matches!(gradient, GradientMethod::Ten | GradientMethod::TenNormalised) {

@@ -76,9 +76,17 @@ impl Modules {
             let Scan { frame, plane, depth, spent } = state.ahead;
             let geometry = &frames[frame as usize].geometry;
             let row = row(geometry, plane, depth);
-            let served = row.map(|row| self.serve(state, geometry, [row as usize, depth as usize], spent));
+            let spec = specs[frame as usize];
+            // Of a beam with two rows the second comes behind the first.
+            let half = spec.cycles(row) / spec.rows;
+            let (fetched, step) = if spent < half || spec.rows == 1 {
+                (row.map(|row| row as usize), spent)
+            } else {
+                (geometry.row_below(plane as usize, depth as usize), spent - half)
+            };
+            let served = fetched.map(|row| self.serve(state, geometry, [row, depth as usize], step));
             state.asked.push_back(served.unwrap_or(Served::AT_ONCE));
-            if spent + 1 < specs[frame as usize].cycles(row) {
+            if spent + 1 < spec.cycles(row) {
                 state.ahead.spent += 1;
             } else {
                 state.ahead.advance(geometry);
