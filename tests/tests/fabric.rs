@@ -2,7 +2,7 @@
 //! where there is a closed form.
 
 use cube3::machine::{Machine, RunCounters};
-use cube3::run::frame_interval;
+use cube3::limits::frame_interval;
 use cube3_channel::Reason;
 use cube3_host::{
     Abc, Boards, Bus, Cone, ConeKind, Dsb, Frame, Frames, HostLink, MachineSpec, RaySlots, Rays, VolumeInfo,
@@ -32,7 +32,7 @@ fn run(machine: &MachineSpec) -> (RunCounters, u64) {
     for (name, account) in &counters.units {
         assert_eq!(account.cycles(), counters.cycles, "{name}");
     }
-    (counters, frame_interval(&frame, machine).unwrap())
+    (counters, frame_interval(machine, std::slice::from_ref(&frame.setup)).unwrap())
 }
 
 fn waiting(counters: &RunCounters, unit: &str, reason: Reason) -> u64 {
@@ -200,7 +200,7 @@ proptest! {
             ..MachineSpec::default()
         };
         let frame = frame(&machine, n);
-        let interval = frame_interval(&frame, &machine).unwrap();
+        let interval = frame_interval(&machine, std::slice::from_ref(&frame.setup)).unwrap();
         let [slots, planes] = frame.setup.geometry.slot_counts().map(|n| n as u64);
         let empty = planes * n as u64 - (n * n) as u64;
         let beams = (n * n) as u64 * (n.div_ceil(channels) as u64).max(1) + empty;
