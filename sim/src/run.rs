@@ -304,6 +304,11 @@ fn run_machine(
     options: &RunOptions,
     stops: &Stops,
 ) -> Outcome<MachineRun> {
+    if options.runs == Runs::Function && !stops.is_empty() {
+        return Err(Problem::new(
+            "--fidelity function has no cycles to trace, save or resume; give --fidelity timing, both or cycle",
+        ));
+    }
     let mut run = MachineRun::default();
     let (setups, words) = (frames.setups.as_slice(), &volume.words);
     if setups.is_empty() {

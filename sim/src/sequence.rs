@@ -340,9 +340,9 @@ pub fn run_sequence(
     let asked = Asked { scene, machine, volume: &first, options };
     let found = Found {
         frames: frames as u64,
-        interval: ends.as_deref().map(|ends| match ends {
-            [first, .., last] => (last - first) / (ends.len() as u64 - 1),
-            ends => ends.last().copied().unwrap_or_default(),
+        interval: ends.as_deref().and_then(|ends| match ends {
+            [first, .., last] => Some((last - first) / (ends.len() as u64 - 1)),
+            _ => None,
         }),
         samples,
         error: first_error,

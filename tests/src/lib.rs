@@ -309,5 +309,6 @@ pub fn for_perspective(machine: &MachineSpec) -> MachineSpec {
         method => method,
     };
     let abc = Abc { gradient, shading: ShadingUnit::Phong, ..machine.abc };
-    MachineSpec { abc, ..machine.clone() }
+    let bus = Bus { kind: BusKind::Gather, ..machine.bus };
+    MachineSpec { abc, bus, ..machine.clone() }
 }

@@ -1,8 +1,8 @@
 //! Bus, ports, planes, boards, cone and host link in the whole machine: what each limit does to the cycles of a frame, to the cycle
 //! where there is a closed form.
 
-use cube3::machine::{Machine, RunCounters};
 use cube3::limits::frame_interval;
+use cube3::machine::{Machine, RunCounters};
 use cube3_channel::Reason;
 use cube3_host::{
     Abc, Boards, Bus, Cone, ConeKind, Dsb, Frame, Frames, HostLink, MachineSpec, RaySlots, Rays, VolumeInfo,
