@@ -263,8 +263,8 @@ mod tests {
                             prop_assert!(!weighted || geometry.corner(ray, k, [w, v, u]).is_some());
                         }
                         let place = geometry.sample_position(ray, k);
-                        for axis in 0..3 {
-                            prop_assert!(place[axis] >= 0.0 && place[axis] <= geometry.size[axis] as f64);
+                        for (at, side) in place.into_iter().zip(geometry.size) {
+                            prop_assert!((0.0..=side as f64).contains(&at));
                         }
                     }
                 }

@@ -52,7 +52,7 @@ pub struct RayRegisters {
     pub length_u: Vec<u32>,
     /// Along v.
     pub length_v: Vec<u32>,
-    /// Tables of opacity, one for each class of step lengths: class = (length_u[i] + length_v[j]) >> `CLASS_SHIFT`.
+    /// Tables of opacity, one for each class of step lengths: class = (length_u(i) + length_v(j)) >> `CLASS_SHIFT`.
     pub length_classes: u32,
     /// Size of the slope along u, a fraction of [`RayRegisters::SLOPE_BITS`].
     pub slope_u: Vec<u32>,
