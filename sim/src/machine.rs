@@ -10,7 +10,7 @@ use crate::links::{RayWords, channels};
 use crate::trace::{Token, TokenKind};
 use cube3_abc::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, Shader};
 use cube3_cfb::golden::Skew;
-use cube3_cfb::memory::Modules;
+use cube3_cfb::memory::{MemoryCounters, Modules};
 use cube3_cfb::{AcquisitionPort, Beam, CfbSpec, CfbUnit, Fetch, FrameBuffer, FrameBufferError, NoVoxels, PortSpec};
 use cube3_channel::{
     Account, Activity, Archive, ArchiveError, Archived, Channel, ChannelCounters, ChannelError, Deadlock, PortState,
@@ -98,6 +98,8 @@ pub struct RunCounters {
     pub units: Vec<(&'static str, Account)>,
     /// Each channel.
     pub channels: Vec<ChannelReading>,
+    /// What the memory modules have done, by frame; nothing where they give any word in any cycle.
+    pub memory: Vec<MemoryCounters>,
     /// Words on the bus and on the links between boards.
     pub bus: BusCounters,
     /// Words of rays on those links, in the frames that the host has received whole.
@@ -504,6 +506,7 @@ impl<F: Fidelity> Machine<F> {
             steady_cycles: self.cfb.account().active().max(self.dsb.accounts()[1].active()),
             units,
             channels,
+            memory: self.cfb.memory_counters().to_vec(),
             bus: self.bus.counters(),
             ray_words: self.ray_words_received(),
             host: self.host.counters(),

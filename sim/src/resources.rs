@@ -4,7 +4,8 @@
 //! more where the product is rounded to nearest. Shifts, selections and table look-ups are none.
 
 use crate::machine::RunCounters;
-use cube3_host::{ConeKind, FrameSetup, GradientMethod, MachineSpec, Reuse, Shading, ShadingUnit};
+use cube3_cone::ConeSpec;
+use cube3_host::{FrameSetup, GradientMethod, MachineSpec, Reuse, Shading, ShadingUnit};
 use cube3_report::{InterfaceReport, LinesReport, MemoryBits, OperatorCounts, OperatorsReport, ResourcesReport};
 use cube3_scene::{MOST_CUTS, MOST_LIGHTS};
 use cube3_word::Rounding;
@@ -81,7 +82,7 @@ fn operators(machine: &MachineSpec, frames: &[FrameSetup]) -> Vec<OperatorsRepor
     let clips = MOST_CUTS as u64 + 6;
     part("abc: cut planes and crop box", lanes, counts(0, clips, clips));
     part("cone: leaf", lanes, unit_mul.times(3));
-    part("cone: node", nodes(machine), counts(0, 1, 1) + (unit_mul + counts(0, 1, 0)).times(4));
+    part("cone: node", ConeSpec::of(machine, machine.lanes).nodes() as u64, counts(0, 1, 1) + (unit_mul + counts(0, 1, 0)).times(4));
     part("cone: weight of a sum", 1, counts(4, 4, 4));
     parts
 }
@@ -109,15 +110,6 @@ fn lights(frames: &[FrameSetup]) -> u64 {
         _ => 0,
     };
     frames.iter().map(of).max().unwrap_or(0).clamp(1, MOST_LIGHTS) as u64
-}
-
-/// Nodes of the cone, and one that accumulates chunks.
-fn nodes(machine: &MachineSpec) -> u64 {
-    let lanes = machine.lanes as u64;
-    match machine.cone.kind {
-        ConeKind::FoldedTree | ConeKind::ShiftedTree | ConeKind::Chain => lanes,
-        ConeKind::Accumulator => 1,
-    }
 }
 
 /// Bits of memory, by what they hold.
@@ -161,6 +153,9 @@ fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSetup]) -> Vec
         ring * plane(setup)
     });
     kind("sample planes", format!("{shaded} samples of {sample_bits} bits"), shaded * sample_bits);
+    let shifter = ConeSpec::of(machine, machine.lanes).shifter_words();
+    let coloured = u64::from(3 * words.colour_bits + words.opacity_bits);
+    kind("shifter before the cone", format!("{shifter} samples of {coloured} bits"), shifter * coloured);
     let tables = most(&|setup| table_bits(machine, setup));
     let lanes = machine.lanes as u64;
     kind("tables", format!("{lanes} lanes × {tables} bits"), lanes * tables);
@@ -237,12 +232,10 @@ fn interfaces(machine: &MachineSpec, frames: &[FrameSetup], counters: &RunCounte
     let bytes = |bits: u32| f64::from(bits) / 8.0;
     let (voxel, sample) = (bytes(words.voxel_bits), bytes(words.sample_bits()));
     let shaded = bytes(3 * words.colour_bits + words.opacity_bits);
-    let pixel = pixel_bits(machine) as f64 / 8.0;
     let sum = |of: &dyn Fn(&FrameSetup) -> f64| frames.iter().map(of).sum::<f64>();
     let beam = frames.first().map_or(0.0, |setup| setup.geometry.size[0] as f64);
     let slots = |setup: &FrameSetup| setup.geometry.slot_counts().iter().map(|&n| n as f64).product::<f64>();
     let depths = |setup: &FrameSetup| setup.geometry.size[2] as f64;
-    let pixels = sum(&|setup| setup.geometry.base_plane_size().iter().map(|&n| n as f64).product());
     let fetched = counters.beams as f64 * beam;
     let rays = sum(&|setup| slots(setup) * depths(setup));
     let interface = |name: &str, peak: Option<f64>, total: f64| InterfaceReport {
@@ -250,14 +243,25 @@ fn interfaces(machine: &MachineSpec, frames: &[FrameSetup], counters: &RunCounte
         peak_bytes_per_s: peak,
         mean_bytes_per_s: total / seconds,
     };
-    let memory_clock = machine.cfb.memory_clock_hz.unwrap_or(clock);
+    let memory_clock = machine.memory_clock_hz();
     let bus = machine.bus.channels.unwrap_or(machine.lanes) as f64 * machine.bus.clock_hz.unwrap_or(clock);
-    vec![
+    let mut interfaces = vec![
         interface("memory to bus", Some(lanes * voxel * memory_clock), fetched * voxel),
-        interface("bus to buffers", Some(bus * voxel), fetched * voxel),
+        interface("bus to buffers", Some(bus * voxel), counters.bus.words as f64 * voxel),
         interface("buffers to interpolation", Some(2.0 * lanes * voxel * clock), 2.0 * rays * voxel),
         interface("interpolation to shading", Some(lanes * sample * clock), rays * sample),
         interface("shading to cone", Some(lanes * shaded * clock), rays * shaded),
-        interface("cone to host", machine.host_link.bytes_per_cycle.map(|bytes| bytes * clock), pixels * pixel),
-    ]
+        interface(
+            "cone to host",
+            machine.host_link.bytes_per_cycle.map(|bytes| bytes * clock),
+            counters.host.bytes as f64,
+        ),
+    ];
+    if machine.boards.count > 1 {
+        // Each board has a link to its neighbour, which carries words in two directions.
+        let words = machine.boards.link_words_per_cycle.map(|words| 2.0 * machine.boards.count as f64 * words);
+        let links = words.map(|words| words * voxel * clock);
+        interfaces.push(interface("links between boards", links, counters.bus.link_words as f64 * voxel));
+    }
+    interfaces
 }

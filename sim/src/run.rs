@@ -11,6 +11,7 @@ use crate::machine::{Machine, Overflows, RunCounters};
 use crate::problem::{Outcome, Problem};
 use crate::progress::Progress;
 use crate::resources;
+use cube3_cfb::memory::MemoryCounters;
 use cube3_channel::Reason;
 use cube3_host::{
     BasePlane, FrameSetup, Geometry, MachineSpec, PictureFrames, RaySlots, TemplateRule, canonical, picture_setup,
@@ -19,8 +20,9 @@ use cube3_host::{
 use cube3_metrics::{Picture, compare, difference, footprint, suggested_factor};
 use cube3_raycast::{DiscreteOptions, ImageOrderOptions, image_order, sheared, true_3d};
 use cube3_report::{
-    ChannelReport, DigestReport, ErrorReport, LeftOut, PassReport, PerspectiveReport, PlanReport, Program, RunReport,
-    SCHEMA, SequenceReport, TimingCounts, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport, sha256_hex,
+    ChannelReport, DigestReport, ErrorReport, LeftOut, MemoryTraffic, PassReport, PerspectiveReport, PlanReport,
+    Program, RunReport, SCHEMA, SequenceReport, TimingCounts, TrafficReport, UnitReport, ViewReport, VolumeReport,
+    WallReport, WordsReport, sha256_hex,
 };
 use cube3_scene::Scene;
 use std::collections::BTreeMap;
@@ -254,6 +256,7 @@ impl Asked<'_> {
             }),
             limits,
             resources,
+            traffic: run.counters.as_ref().map(traffic_report),
             units: run.counters.as_ref().map_or_else(Vec::new, unit_reports),
             channels: run.counters.as_ref().map_or_else(Vec::new, channel_reports),
             words: words_report(run, volume),
@@ -581,6 +584,30 @@ fn unit_reports(counters: &RunCounters) -> Vec<UnitReport> {
             .collect(),
     };
     counters.units.iter().map(report).collect()
+}
+
+fn traffic_report(counters: &RunCounters) -> TrafficReport {
+    let mut sum = MemoryCounters::default();
+    counters.memory.iter().for_each(|&frame| sum += frame);
+    let memory = (!counters.memory.is_empty()).then_some(MemoryTraffic {
+        words: sum.words,
+        reads: sum.reads,
+        row_hits: sum.row_hits,
+        row_misses: sum.row_misses,
+        row_conflicts: sum.row_conflicts,
+        refreshes: sum.refreshes,
+    });
+    let (bus, rays, host) = (&counters.bus, &counters.ray_words, &counters.host);
+    TrafficReport {
+        memory,
+        bus_words: bus.words,
+        bus_slots: bus.slots,
+        link_words: bus.link_words,
+        link_peak_words: bus.link_peak,
+        ray_words: [rays.trilin, rays.abc, rays.cone],
+        host_pixels: host.pixels,
+        host_bytes: host.bytes,
+    }
 }
 
 fn channel_reports(counters: &RunCounters) -> Vec<ChannelReport> {

@@ -2,7 +2,10 @@
 
 use cube3_metrics::ImageError;
 
-use crate::{ChannelReport, OperatorCounts, ReportError, ResourcesReport, RunReport, SCHEMA, TimingReport, UnitReport};
+use crate::{
+    ChannelReport, OperatorCounts, ReportError, ResourcesReport, RunReport, SCHEMA, TimingReport, TrafficReport,
+    UnitReport,
+};
 
 /// How far two ways to compute one number may differ, relative to it.
 const ROUNDING: f64 = 1e-9;
@@ -29,6 +32,9 @@ impl RunReport {
         }
         if let Some(resources) = &self.resources {
             resources.check()?;
+        }
+        if let Some(traffic) = &self.traffic {
+            traffic.check()?;
         }
         self.channels.iter().try_for_each(ChannelReport::check)?;
         self.sequence.as_ref().map_or(Ok(()), |sequence| sequence.check(self))
@@ -124,6 +130,25 @@ impl ResourcesReport {
             if let Some(peak) = interface.peak_bytes_per_s.filter(|peak| mean > peak * (1.0 + ROUNDING)) {
                 return Err(ReportError::Inconsistent { key: "resources.interfaces", found: mean, expected: peak });
             }
+        }
+        Ok(())
+    }
+}
+
+impl TrafficReport {
+    /// Each command found its row open, closed, or another one; the bus carried no more than it can.
+    fn check(&self) -> Result<(), ReportError> {
+        let inconsistent = |key, found: u64, expected: u64| {
+            Err(ReportError::Inconsistent { key, found: found as f64, expected: expected as f64 })
+        };
+        if let Some(memory) = &self.memory {
+            let rows = memory.row_hits + memory.row_misses + memory.row_conflicts;
+            if rows != memory.reads {
+                return inconsistent("traffic.memory", rows, memory.reads);
+            }
+        }
+        if self.bus_words > self.bus_slots {
+            return inconsistent("traffic.bus_words", self.bus_words, self.bus_slots);
         }
         Ok(())
     }

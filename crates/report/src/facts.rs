@@ -4,7 +4,7 @@ use cube3_metrics::ImageError;
 use serde_json::Value;
 
 use crate::quantity::{count, number, percentage, prefixed, sizes};
-use crate::{ErrorReport, PassReport, ResourcesReport, RunReport, TimingReport, UnitReport, WallReport};
+use crate::{ErrorReport, PassReport, ResourcesReport, RunReport, TimingReport, TrafficReport, UnitReport, WallReport};
 
 /// What is said, and its value.
 pub(crate) type Fact = (&'static str, String);
@@ -85,6 +85,29 @@ pub(crate) fn resources(resources: &ResourcesReport) -> Vec<Fact> {
     facts.push(("Memory", prefixed(bits as f64, "bits")));
     facts.push(("Frames per second for each GB/s of memory", number(resources.fps_per_memory_gb_per_s)));
     facts.push(("Samples per second for each multiplier", prefixed(resources.samples_per_s_per_multiplier, "")));
+    facts
+}
+
+/// What went through memory, bus, links and host's port.
+pub(crate) fn traffic(traffic: &TrafficReport) -> Vec<Fact> {
+    let mut facts = Vec::new();
+    if let Some(memory) = &traffic.memory {
+        let (hits, reads) = (memory.row_hits, memory.reads.max(1));
+        let open = percentage(hits as f64 / reads as f64);
+        facts.push(("Memory", format!("{} words in {} reads", count(memory.words), count(memory.reads))));
+        facts.push(("Rows", format!("{open} of the reads found theirs open")));
+        facts.push(("Refreshes", count(memory.refreshes)));
+    }
+    let used = traffic.bus_words as f64 / traffic.bus_slots.max(1) as f64;
+    facts.push(("Bus", format!("{} words, {} of what it can", count(traffic.bus_words), percentage(used))));
+    if traffic.link_words > 0 {
+        let (all, peak) = (count(traffic.link_words), count(traffic.link_peak_words));
+        facts.push(("Links", format!("{all} words, at most {peak} of a beam over one")));
+    }
+    facts.push((
+        "Host",
+        format!("{} pixels, {}", count(traffic.host_pixels), prefixed(traffic.host_bytes as f64, "bytes")),
+    ));
     facts
 }
 

@@ -12,7 +12,7 @@ use crate::quantity::{count, number, percentage, prefixed};
 use crate::shares::percent;
 use crate::{
     ChannelReport, DigestReport, ErrorReport, LimitsReport, OperatorsReport, PlanReport, ResourcesReport, RunReport,
-    SequenceReport, TimingReport, UnitReport,
+    SequenceReport, TimingReport, TrafficReport, UnitReport,
 };
 
 const STYLE: &str = include_str!("page.css");
@@ -66,6 +66,7 @@ pub fn html(report: &RunReport, figures: &[Figure]) -> String {
                     (timing(report.timing.as_ref()))
                     (plan(&report.plan))
                     (channels(&report.channels))
+                    (traffic(report.traffic.as_ref()))
                     (resources(report.resources.as_ref()))
                     (overflows(report))
                     section { h2 { "Set-up" } (listed(&facts::setup(report))) }
@@ -349,6 +350,14 @@ fn limits(limits: Option<&LimitsReport>) -> Markup {
                     }
                 }
             }
+        }
+    }
+}
+
+fn traffic(traffic: Option<&TrafficReport>) -> Markup {
+    html! {
+        @if let Some(traffic) = traffic {
+            section { h2 { "Traffic" } (listed(&facts::traffic(traffic))) }
         }
     }
 }

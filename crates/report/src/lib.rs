@@ -30,8 +30,8 @@ pub use html::{Figure, html};
 pub use json::{from_json, to_json, write_json};
 pub use png::{png_rgb8, to_rgb8};
 pub use resources_report::{
-    InterfaceReport, LimitWithout, LimitsReport, LinesReport, MemoryBits, OperatorCounts, OperatorsReport,
-    ResourcesReport,
+    InterfaceReport, LimitWithout, LimitsReport, LinesReport, MemoryBits, MemoryTraffic, OperatorCounts,
+    OperatorsReport, ResourcesReport, TrafficReport,
 };
 pub use run_report::{
     ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, PassReport, PerspectiveReport, PlanReport,

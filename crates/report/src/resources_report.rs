@@ -126,6 +126,45 @@ pub struct LinesReport {
     pub lines: u64,
 }
 
+/// What went through memory, bus, links and host's port over the run.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TrafficReport {
+    /// What the memory modules did; absent where they give any word in any cycle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub memory: Option<MemoryTraffic>,
+    /// Voxel words that the bus carried.
+    pub bus_words: u64,
+    /// Voxel words that its channels could have carried.
+    pub bus_slots: u64,
+    /// Words of beams over the links between boards, both directions.
+    pub link_words: u64,
+    /// Most words of one beam over one link in one direction.
+    pub link_peak_words: u64,
+    /// Words of rays that cross boards on wires of their own: between interpolators, between shading units, in the cone.
+    pub ray_words: [u64; 3],
+    /// Pixels to the host.
+    pub host_pixels: u64,
+    /// Bytes to the host.
+    pub host_bytes: u64,
+}
+
+/// What the memory modules did, all together.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MemoryTraffic {
+    /// Words read.
+    pub words: u64,
+    /// Read commands; the other words came with an earlier burst.
+    pub reads: u64,
+    /// Commands that found their row open.
+    pub row_hits: u64,
+    /// Commands that found their bank closed.
+    pub row_misses: u64,
+    /// Commands that found another row open.
+    pub row_conflicts: u64,
+    /// Refreshes.
+    pub refreshes: u64,
+}
+
 /// Bytes through one interface at the machine's clock.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct InterfaceReport {

@@ -6,7 +6,7 @@ use cube3_metrics::{ImageComparison, ImageError};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::{LimitsReport, ResourcesReport, SequenceReport};
+use crate::{LimitsReport, ResourcesReport, SequenceReport, TrafficReport};
 
 /// The number of the present layout. It rises when a key changes its meaning or goes away.
 pub const SCHEMA: u32 = 1;
@@ -43,6 +43,9 @@ pub struct RunReport {
     /// What the machine is made of. Absent when no clock ran.
     #[serde(default)]
     pub resources: Option<ResourcesReport>,
+    /// What went through memory, bus, links and host's port. Absent when no clock ran.
+    #[serde(default)]
+    pub traffic: Option<TrafficReport>,
     /// What each unit did with its cycles, from the volume to the image.
     pub units: Vec<UnitReport>,
     /// What went through each channel, from the volume to the image.

@@ -37,6 +37,9 @@ pub fn table(report: &RunReport) -> String {
     if let Some(limits) = &report.limits {
         section("What limits the frame rate", wrapped(&limits.sentence));
     }
+    if let Some(traffic) = &report.traffic {
+        section("Traffic", listed(facts::traffic(traffic)));
+    }
     if let Some(resources) = &report.resources {
         section("What the machine is made of", listed(facts::resources(resources)));
     }

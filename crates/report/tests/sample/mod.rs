@@ -76,6 +76,23 @@ pub fn report() -> RunReport {
             ],
         }),
         resources: Some(resources()),
+        traffic: Some(TrafficReport {
+            memory: Some(MemoryTraffic {
+                words: 2_097_152,
+                reads: 524_288,
+                row_hits: 507_904,
+                row_misses: 128,
+                row_conflicts: 16_256,
+                refreshes: 1_024,
+            }),
+            bus_words: 2_097_152,
+            bus_slots: 2_330_496,
+            link_words: 65_536,
+            link_peak_words: 31,
+            ray_words: [16_384, 8_192, 4_096],
+            host_pixels: 29_346,
+            host_bytes: 234_768,
+        }),
         units: vec![
             unit("cfb", 16_384, 0, 1_003, &[("memory", 700), ("refresh", 120)]),
             unit("bus", 16_384, 1_823, 0, &[]),
