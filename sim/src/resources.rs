@@ -82,7 +82,11 @@ fn operators(machine: &MachineSpec, frames: &[FrameSetup]) -> Vec<OperatorsRepor
     let clips = MOST_CUTS as u64 + 6;
     part("abc: cut planes and crop box", lanes, counts(0, clips, clips));
     part("cone: leaf", lanes, unit_mul.times(3));
-    part("cone: node", ConeSpec::of(machine, machine.lanes).nodes() as u64, counts(0, 1, 1) + (unit_mul + counts(0, 1, 0)).times(4));
+    part(
+        "cone: node",
+        ConeSpec::of(machine, machine.lanes).nodes() as u64,
+        counts(0, 1, 1) + (unit_mul + counts(0, 1, 0)).times(4),
+    );
     part("cone: weight of a sum", 1, counts(4, 4, 4));
     parts
 }

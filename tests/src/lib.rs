@@ -134,7 +134,7 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
     let methods = proptest::sample::select(GradientMethod::ALL.map(|(method, _)| method).to_vec());
     let size = (1_usize..6, 1_u64..5).prop_map(|(capacity, latency)| ChannelSize { capacity, latency });
     let channels = [size.clone(), size.clone(), size.clone(), size.clone(), size.clone(), size];
-    let rays = (any::<bool>(), any::<bool>(), 0.0..1.0_f64);
+    let rays = (any::<bool>(), any::<bool>(), 0.0..1.0_f64, prop_oneof![Just(0.5), 0.1..2.0_f64]);
     let rest = (
         1_usize..=9,
         [-3_i64..4, -3_i64..4, -3_i64..4],
@@ -147,7 +147,7 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
             words,
             gradient,
             channels,
-            (padded, plane, offset),
+            (padded, plane, offset, grid),
             (lanes, skew, planes, reuse, table),
             ((memory_clock_hz, cfb), fabric),
         )| {
@@ -159,6 +159,7 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
                     slots: if padded { RaySlots::Padded } else { RaySlots::Wrapped },
                     template: if plane { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
                     offset,
+                    grid,
                 },
                 clock_hz: 50e6,
                 cfb: Cfb { skew, memory_clock_hz, ..cfb },

@@ -70,8 +70,7 @@ proptest! {
         let rays = Rays {
             slots: if padded { RaySlots::Padded } else { RaySlots::Wrapped },
             template: if plane_floor { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
-            offset: 0.5,
-        };
+            offset: 0.5, ..Rays::default() };
         let cone = Cone { kind: ConeKind::ALL[kind] };
         let machine = MachineSpec { words, rays, lanes, cone, ..MachineSpec::default() };
         let view = View::from_direction(direction, None);

@@ -40,8 +40,7 @@ proptest! {
         let rays = Rays {
             slots: if padded { RaySlots::Padded } else { RaySlots::Wrapped },
             template: if plane_floor { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
-            offset: 0.5,
-        };
+            offset: 0.5, ..Rays::default() };
         let machine = MachineSpec { lanes, rays, cfb: Cfb { skew, ..Cfb::default() }, dsb: Dsb { planes, ..Dsb::default() }, ..MachineSpec::default() };
         let scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
         let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };

@@ -171,6 +171,9 @@ pub struct Rays {
     pub template: TemplateRule,
     /// The sample offset wanted, 0 to below 1; lowered to what the rule allows.
     pub offset: f64,
+    /// In perspective: least distance from the eye to the plane on which rays are a voxel apart, in depths of the volume, 0.1 to 4. Rays
+    /// are at most 1 + 1/grid voxels apart.
+    pub grid: f64,
 }
 
 /// The cubic frame buffer.
@@ -383,7 +386,7 @@ impl Default for Frames {
 
 impl Default for Rays {
     fn default() -> Self {
-        Rays { slots: RaySlots::Wrapped, template: TemplateRule::SampleFloor, offset: 0.5 }
+        Rays { slots: RaySlots::Wrapped, template: TemplateRule::SampleFloor, offset: 0.5, grid: 0.5 }
     }
 }
 
@@ -550,6 +553,7 @@ impl MachineSpec {
             self.rays.offset.to_string(),
             "outside 0 to below 1",
         )?;
+        check((0.1..=4.0).contains(&self.rays.grid), "rays.grid", self.rays.grid.to_string(), "outside 0.1 to 4")?;
         let skew = self.cfb.skew;
         check(
             skew.iter().all(|a| (-4096..=4096).contains(a)),

@@ -58,12 +58,13 @@ pub struct PassShape {
     pub weight_bits: u32,
     /// The rule of the columns.
     pub rule: TemplateRule,
+    /// Least distance of the grid plane from the eye, in depths n_w.
+    pub grid: f64,
 }
 
-/// The distance of the grid plane from the eye, and its w.
-fn grid(eye_w: f64, depths: usize) -> (f64, f64) {
-    let half = depths as f64 * 0.5;
-    if -eye_w >= half { (-eye_w, 0.0) } else { (half.max(-eye_w), eye_w + half.max(-eye_w)) }
+/// The distance of the grid plane from the eye, and its w: the base plane, or where the eye is nearer than `least`, that far behind it.
+fn grid(eye_w: f64, least: f64) -> (f64, f64) {
+    if -eye_w >= least { (-eye_w, 0.0) } else { (least, eye_w + least) }
 }
 
 fn register(x: f64) -> i64 {
@@ -116,7 +117,7 @@ impl Geometry {
             return None;
         }
         let first_depth = first_depth as usize;
-        let (distance, plane) = grid(eye_w, depths);
+        let (distance, plane) = grid(eye_w, shape.grid * depths as f64);
         let along = [eye_w, distance, plane];
         let (along_u, along_v) =
             (rays(eye_u, along, first_depth, depths, nu), rays(eye_v, along, first_depth, depths, nv));
@@ -183,9 +184,10 @@ mod tests {
 
     fn any_pass() -> impl Strategy<Value = Geometry> {
         let size = [1_usize..9, 1_usize..9, 1_usize..9];
-        (size, eyes(), 0.0..1.0_f64, 0_u32..=12, any::<bool>()).prop_filter_map(
+        let grid = prop_oneof![Just(0.5), 0.1..4.0_f64];
+        (size, eyes(), 0.0..1.0_f64, 0_u32..=12, any::<bool>(), grid).prop_filter_map(
             "an eye from which no ray meets the volume",
-            |(size, eye, offset, weight_bits, plane)| {
+            |(size, eye, offset, weight_bits, plane, grid)| {
                 Geometry::perspective(&PassShape {
                     size,
                     axes: Axes { axis: [0, 1, 2], reversed: [false; 3] },
@@ -193,6 +195,7 @@ mod tests {
                     offset: ((offset * f64::from(1_u32 << weight_bits)) as u32).min((1 << weight_bits) - 1),
                     weight_bits,
                     rule: if plane { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
+                    grid,
                 })
             },
         )
@@ -278,7 +281,15 @@ mod tests {
     fn a_central_eye_has_a_sample_for_each_ray_between_the_faces() {
         let eye = [15.5, 15.5, -64.0];
         let axes = Axes { axis: [0, 1, 2], reversed: [false; 3] };
-        let shape = PassShape { size: [32; 3], axes, eye, offset: 0, weight_bits: 8, rule: TemplateRule::SampleFloor };
+        let shape = PassShape {
+            size: [32; 3],
+            axes,
+            eye,
+            offset: 0,
+            weight_bits: 8,
+            rule: TemplateRule::SampleFloor,
+            grid: 0.5,
+        };
         let geometry = Geometry::perspective(&shape).unwrap();
         for k in 0..32 {
             let spacing = 1.0 + k as f64 / 64.0;

@@ -59,6 +59,7 @@ pub fn picture_setup(
             offset,
             weight_bits: machine.words.weight_bits,
             rule: machine.rays.template,
+            grid: machine.rays.grid,
         });
         let Some(geometry) = geometry else {
             continue;

@@ -19,6 +19,7 @@ fn machine(words: Words, padded: bool, plane_floor: bool, offset: f64, lanes: us
         slots: if padded { RaySlots::Padded } else { RaySlots::Wrapped },
         template: if plane_floor { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
         offset,
+        ..Rays::default()
     };
     let machine = MachineSpec { words, rays, lanes, ..MachineSpec::default() };
     machine.check("machine").unwrap();

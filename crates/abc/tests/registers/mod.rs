@@ -215,6 +215,7 @@ pub fn machine(dice: &mut Dice, words: Words) -> MachineSpec {
             slots: one_of(dice.one_in(2)),
             template: if dice.one_in(2) { TemplateRule::SampleFloor } else { TemplateRule::PlaneFloor },
             offset: dice.real(0.0, 1.0),
+            ..Rays::default()
         },
         abc: Abc {
             gradient: GradientMethod::ALL[dice.within(0, 6) as usize].0,
