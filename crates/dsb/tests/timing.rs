@@ -424,3 +424,34 @@ fn a_near_eyes_beam_is_gathered_four_times_for_all_slots_and_a_far_ones_once() {
         assert!(!spec.closes);
     }
 }
+
+#[test]
+fn the_ring_takes_planes_of_this_frame_and_the_next_and_of_no_third() {
+    let n = 3;
+    for frame_planes in 1..4 {
+        for planes in 2..9 {
+            let one = spec(n, frame_planes, planes as usize);
+            let mut unit = DsbUnit::new([(one, NoPlanes); 4]);
+            let mut aligned = Channel::<Beam<()>>::new("aligned", 2, 1).unwrap();
+            // Nobody takes the rays, and so plane 0 of frame 0 stays.
+            let mut rays = Channel::<RayPair<()>>::new("rays", 1, 1).unwrap();
+            let mut offered = 0;
+            for _ in 0..100 {
+                if offered < 4 * frame_planes * n
+                    && let Some(beam) = aligned.push_slot()
+                {
+                    let plane = offered / n;
+                    (beam.frame, beam.plane, beam.depth) = (plane / frame_planes, plane % frame_planes, offered % n);
+                    beam.row = Some(0);
+                    offered += 1;
+                }
+                unit.tick(&mut aligned, &mut rays);
+                aligned.commit();
+                rays.commit();
+            }
+            // First planes are kept for two frames.
+            let taken = u64::from(planes.min(2 * frame_planes) * n);
+            assert_eq!(aligned.counters().pops, taken, "frames of {frame_planes}, {planes} planes");
+        }
+    }
+}
