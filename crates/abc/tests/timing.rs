@@ -309,3 +309,37 @@ fn with_two_planes_the_unit_waits_for_itself_and_says_so() {
         "nothing can move after cycle 9: abc waits for abc: sample planes is full (2 of 2); which closes the circle"
     );
 }
+
+#[test]
+fn the_ring_takes_planes_of_this_frame_and_the_next_and_of_no_third() {
+    let setup = setup();
+    let frames = vec![setup; 4];
+    for closes in [[false; 2], [true; 2]] {
+        for planes in 1..4_u64 {
+            for ring in 3..9 {
+                let spec = AbcSpec { ray_cycles: 1, slots: 3, planes, closes, buffered: true, ring };
+                let mut unit = AbcUnit::new([(spec, NoShading); 4]);
+                let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
+                // Nobody takes the shaded rays, and so the first planes of frame 0 stay.
+                let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 1, 1).unwrap();
+                let mut offered = 0;
+                for _ in 0..100 {
+                    if offered < 4 * planes * spec.slots
+                        && let Some(ray) = samples.push_slot()
+                    {
+                        let plane = offered / spec.slots;
+                        (ray.frame, ray.plane) = ((plane / planes) as u32, (plane % planes) as u32);
+                        ray.slot = (offered % spec.slots) as u32;
+                        offered += 1;
+                    }
+                    unit.tick(&frames, &mut samples, &mut shaded);
+                    samples.commit();
+                    shaded.commit();
+                }
+                // First planes are kept for two frames.
+                let taken = ring.min(2 * planes) * spec.slots;
+                assert_eq!(samples.counters().pops, taken, "frames of {planes}, {ring} planes, {closes:?}");
+            }
+        }
+    }
+}

@@ -1,12 +1,13 @@
 //! The frame buffer's data sheet.
 //!
 //! A beam takes ⌈n_u / lanes⌉ cycles, and a cycle more for every voxel that finds its module taken; a beam of a padded
-//! plane outside of the volume takes one. Nothing comes in, so the unit starves only when the frame is done.
+//! plane outside of the volume takes one. Nothing comes in, so the unit starves only when the frame is done. Where the slots of a
+//! perspective frame need their own cells, a beam is two rows, one after the other.
 
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, NoVoxels};
 use cube3_channel::{Account, Channel, Reason};
-use cube3_host::{Cfb, FrameSetup, MachineSpec, RaySlots, Rays, VolumeInfo, frame_setup};
-use cube3_scene::{Scene, View};
+use cube3_host::{Cfb, FrameSetup, MachineSpec, RaySlots, Rays, VolumeInfo, frame_setup, picture_setup};
+use cube3_scene::{Perspective, Scene, View};
 
 fn machine(lanes: usize, skew: [i64; 3], slots: RaySlots) -> MachineSpec {
     let rays = Rays { slots, ..Rays::default() };
@@ -145,4 +146,55 @@ fn without_room_the_frame_buffer_is_blocked() {
     assert_eq!(result.sent.iter().map(|(cycle, _)| *cycle).collect::<Vec<_>>(), [0, 11, 21, 31, 41, 51]);
     assert_eq!(result.cycles, 61);
     assert_eq!(result.account, Account { busy: 6, blocked: 51 - 5, starved: 61 - 52, ..Account::default() });
+}
+
+/// The pass along +z of an eye before the middle of a cube.
+fn seen_from(machine: &MachineSpec, n: usize, distance: f64) -> FrameSetup {
+    let middle = (n as f64 - 1.0) * 0.5;
+    let perspective = Perspective { eye_voxel: Some([middle, middle, -distance]), ..Perspective::new(90.0) };
+    let view = View { perspective: Some(perspective), ..View::from_direction([0.0, 0.0, 1.0], None) };
+    let volume = VolumeInfo { dims: [n; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
+    let scene = Scene { view, ..Scene::default() };
+    picture_setup(&scene, machine, &volume, true).unwrap().setups.remove(0)
+}
+
+#[test]
+fn a_near_eyes_beam_is_two_rows_and_a_far_ones_is_one() {
+    // The first coefficient gives beams along x and y conflicts by the factor 1, 2, 4.
+    for (n, lanes, stride, distance, rows) in [
+        (8, 8, 1, 8.0, 1),
+        (8, 8, 1, 4.0, 1),
+        (8, 8, 1, 3.0, 2),
+        (9, 4, 1, 2.0, 2),
+        (8, 3, 1, 0.5, 2),
+        (8, 8, 2, 1.0, 2),
+        (16, 8, 4, 1.0, 2),
+        (16, 8, 4, 20.0, 1),
+    ] {
+        let machine = machine(lanes, [stride, stride, 1], RaySlots::Wrapped);
+        let setup = seen_from(&machine, n, distance);
+        assert_eq!(setup.geometry.doubled(), rows == 2, "{distance}");
+        let fan = &setup.geometry.perspective.as_ref().unwrap().v;
+        let inside = |y: i32| (0..n as i32).contains(&y);
+        let (mut beams, mut second, mut empty) = (0, 0, 0);
+        for plane in 0..fan.count() {
+            for depth in 0..n {
+                if inside(fan.near(plane, depth)) {
+                    beams += 1;
+                    second += u64::from(inside(fan.right(plane, depth)));
+                } else {
+                    empty += 1;
+                }
+            }
+        }
+        assert!(beams > second && second > 0 && empty > 0, "the frame has beams of every kind");
+        let result = run(&machine, &setup, 4, |_| true);
+        assert_eq!(result.fetched, beams + if rows == 2 { second } else { 0 }, "n = {n}, {distance}");
+        assert_eq!(result.sent.iter().filter(|(_, row)| *row).count() as u64, beams);
+        // A row below that is outside of the volume costs its cycles, too.
+        let work = rows * n.div_ceil(lanes) as u64;
+        assert_eq!(result.account.busy, beams * work + empty, "n = {n}, {distance}");
+        assert_eq!(waiting(&result.account), beams * work * (stride as u64 - 1));
+        assert_eq!(result.cycles, beams * work * stride as u64 + empty + 1);
+    }
 }

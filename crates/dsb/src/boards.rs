@@ -201,8 +201,9 @@ impl BoardSpec {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Rotator;
     use crate::golden::rotation;
-    use cube3_host::{Axes, TemplateRule, largest_offset, slope_register};
+    use cube3_host::{Axes, PassShape, TemplateRule, largest_offset, slope_register};
     use proptest::prelude::*;
 
     fn geometry(size: [usize; 3], slopes: [f64; 2], slots: RaySlots) -> Geometry {
@@ -210,6 +211,26 @@ mod tests {
         let slopes = slopes.map(slope_register);
         let offset = largest_offset(rule, slopes, 8).min(128);
         Geometry::new(size, Axes { axis: [0, 1, 2], reversed: [false; 3] }, slopes, offset, 8, rule, slots)
+    }
+
+    /// The pass of an eye anywhere, near and far, along w.
+    fn passes() -> impl Strategy<Value = Geometry> {
+        let size = [1_usize..12, 1_usize..9, 1_usize..12];
+        let across = -20.0..30.0_f64;
+        let eye = (across.clone(), across, prop_oneof![-8.0..8.0_f64, -100.0..0.0_f64]).prop_map(<[f64; 3]>::from);
+        (size, eye, 0_u32..128, any::<bool>()).prop_filter_map(
+            "rays that meet the volume",
+            |(size, eye, offset, plane)| {
+                Geometry::perspective(&PassShape {
+                    size,
+                    axes: Axes { axis: [0, 1, 2], reversed: [false; 3] },
+                    eye,
+                    offset,
+                    weight_bits: 8,
+                    rule: if plane { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
+                })
+            },
+        )
     }
 
     proptest! {
@@ -243,6 +264,41 @@ mod tests {
             let words = BoardSpec { boards, lanes: n, latency: 1 }.link_words(&geometry, [0, row, depth]);
             let each = turned.min(n - turned) as u64;
             prop_assert_eq!(words, LinkWords { busiest: each, all: boards as u64 * each });
+        }
+
+        #[test]
+        fn gathered_beams_take_the_same_links_as_word_by_word(
+            geometry in passes(), lanes in 1_usize..14, part in 0.0..1.0_f64, plane in 0_usize..99, depth in 0_usize..12,
+        ) {
+            let (plane, depth) = (plane % geometry.slot_counts()[1], depth % geometry.size[2]);
+            let boards = 1 + (part * lanes as f64) as usize;
+            let spec = BoardSpec { boards, lanes, latency: 1 };
+            let walk = spec.walk(spec.gathered(&geometry, plane, depth));
+            let busiest = walk.iter().flatten().copied().max().unwrap();
+            let all = walk.iter().flatten().sum();
+            // The row is that of the plane.
+            prop_assert_eq!(spec.link_words(&geometry, [plane, 0, depth]), LinkWords { busiest, all });
+        }
+
+        #[test]
+        fn the_words_that_move_are_those_that_the_bus_gathers(
+            geometry in passes(), lanes in 1_usize..14, plane in 0_usize..99, depth in 0_usize..12,
+        ) {
+            let (plane, depth) = (plane % geometry.slot_counts()[1], depth % geometry.size[2]);
+            let pass = geometry.perspective.as_ref().unwrap();
+            // A beam with the place of each of its words, from 1, as the frame buffer sends it.
+            let width = geometry.size[0].div_ceil(lanes) * lanes;
+            let rows = if pass.doubled { 2 } else { 1 };
+            let beam: Vec<u16> = (1..=(rows * width) as u16).collect();
+            let mut aligned = Vec::new();
+            Rotator { lanes }.gather(&geometry, plane, depth, &beam, &mut aligned);
+            let moved = aligned.iter().enumerate().filter(|(_, word)| **word > 0);
+            let mut moved: Vec<[usize; 2]> = moved.map(|(to, word)| [(*word as usize - 1) % lanes, to % lanes]).collect();
+            let spec = BoardSpec { boards: 1, lanes, latency: 1 };
+            let mut gathered = spec.gathered(&geometry, plane, depth);
+            moved.sort_unstable();
+            gathered.sort_unstable();
+            prop_assert_eq!(gathered, moved);
         }
 
         #[test]

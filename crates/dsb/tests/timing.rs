@@ -2,14 +2,15 @@
 //!
 //! Bus: a beam takes ⌈n_u / lanes⌉ cycles, one without voxels a cycle. Buffers: the write port takes as long for a beam, the
 //! read port ⌈n_w / lanes⌉ cycles for a pair of rays; a plane can be read when it and the one below are written, from
-//! the next cycle on, and gives its buffer back in the cycle in which its last ray leaves.
+//! the next cycle on, and gives its buffer back in the cycle in which its last ray leaves. Where the slots of a perspective frame need
+//! their own cells, the bus gathers all slots four times, and the buffers write the four words of a slot side by side.
 
 use cube3_cfb::Beam;
 use cube3_channel::{Account, Activity, Channel, PortState, Reason, diagnose};
 use cube3_dsb::bus::{BusUnit, NoBus};
 use cube3_dsb::{DsbSpec, DsbUnit, NoPlanes, RayPair};
-use cube3_host::{Boards, Bus, FrameSetup, MachineSpec, VolumeInfo, frame_setup};
-use cube3_scene::{Scene, View};
+use cube3_host::{Boards, Bus, FrameSetup, MachineSpec, VolumeInfo, frame_setup, picture_setup};
+use cube3_scene::{Perspective, Scene, View};
 
 /// Rays along z, and a little along x, so that u is x.
 fn setup(machine: &MachineSpec, dims: [usize; 3]) -> FrameSetup {
@@ -261,9 +262,12 @@ fn the_bus_is_blocked_while_nobody_takes_its_beam() {
     assert_eq!(*bus.account(), Account { busy: 1, starved: 1, blocked: 18, ..Account::default() });
 }
 
-/// So many full beams of row 0 behind each other through the bus: cycles in which they left, and the bus.
+/// So many full beams of plane 0 behind each other through the bus: cycles in which they left, and the bus.
 fn through_the_bus(machine: &MachineSpec, dims: [usize; 3], beams: u32) -> (Vec<u64>, BusUnit<NoBus>) {
-    let setup = setup(machine, dims);
+    beams_through_the_bus(machine, &setup(machine, dims), beams)
+}
+
+fn beams_through_the_bus(machine: &MachineSpec, setup: &FrameSetup, beams: u32) -> (Vec<u64>, BusUnit<NoBus>) {
     let mut bus = BusUnit::new(machine, [&setup.geometry], NoBus);
     let mut input = Channel::<Beam<()>>::new("beams", 2, 1).unwrap();
     let mut aligned = Channel::<Beam<()>>::new("aligned", 2, 1).unwrap();
@@ -272,12 +276,12 @@ fn through_the_bus(machine: &MachineSpec, dims: [usize; 3], beams: u32) -> (Vec<
         if offered < beams
             && let Some(beam) = input.push_slot()
         {
-            let rows = dims[1] as u32;
+            let rows = setup.geometry.size[1] as u32;
             (beam.plane, beam.depth, beam.row) = (offered / rows, 0, Some(offered % rows));
             offered += 1;
         }
         let before = aligned.counters().pushes;
-        bus.tick(std::slice::from_ref(&setup), &mut input, &mut aligned);
+        bus.tick(std::slice::from_ref(setup), &mut input, &mut aligned);
         if aligned.counters().pushes > before {
             left.push(bus.account().cycles() - 1);
         }
@@ -368,4 +372,86 @@ fn a_beam_waits_for_the_words_on_the_busiest_link() {
     let (left, unit) = through_the_bus(&MachineSpec { lanes: 16, boards, ..MachineSpec::default() }, [16, 16, 1], 16);
     assert_eq!(left, (1..=16).collect::<Vec<u64>>());
     assert_eq!(unit.counters().link_peak, 8);
+}
+
+/// The pass along +z of an eye before the middle of a cube.
+fn seen_from(machine: &MachineSpec, n: usize, distance: f64) -> FrameSetup {
+    let middle = (n as f64 - 1.0) * 0.5;
+    let perspective = Perspective { eye_voxel: Some([middle, middle, -distance]), ..Perspective::new(90.0) };
+    let view = View { perspective: Some(perspective), ..View::from_direction([0.0, 0.0, 1.0], None) };
+    let volume = VolumeInfo { dims: [n; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
+    let scene = Scene { view, ..Scene::default() };
+    picture_setup(&scene, machine, &volume, true).unwrap().setups.remove(0)
+}
+
+#[test]
+fn a_near_eyes_beam_is_gathered_four_times_for_all_slots_and_a_far_ones_once() {
+    // Voxels, lanes, distance of the eye, channels, and slices a cycle as a fraction.
+    for (n, lanes, distance, channels, [ticks, every]) in [
+        (8, 8, 16.0, 8, [1, 1]),
+        (8, 3, 4.0, 8, [1, 1]),
+        (8, 8, 3.0, 8, [1, 1]),
+        (8, 8, 1.0, 8, [1, 1]),
+        (9, 4, 0.5, 4, [1, 1]),
+        (16, 4, 2.0, 4, [1, 1]),
+        (8, 8, 2.0, 3, [1, 1]),
+        (8, 4, 2.0, 8, [1, 3]),
+        (8, 8, 2.0, 5, [3, 2]),
+    ] {
+        let bus = Bus { channels: Some(channels), clock_hz: Some(8e6 * ticks as f64 / every as f64), ..Bus::default() };
+        let machine = MachineSpec { lanes, bus, ..MachineSpec::default() };
+        let setup = seen_from(&machine, n, distance);
+        let [slots, planes] = setup.geometry.slot_counts();
+        let near = 2.0 * distance < n as f64;
+        assert_eq!(setup.geometry.doubled(), near, "{distance}");
+        assert!(!near || slots > n, "there are more rays than voxels");
+        let (words, gathers) = if near { (slots, 4) } else { (n, 1) };
+        let (left, unit) = beams_through_the_bus(&machine, &setup, 12);
+        let lane_cycles = gathers * words.div_ceil(lanes);
+        let slices = gathers * words.div_ceil(channels);
+        let each = |beams: usize| (beams * lane_cycles).max((beams * slices * every).div_ceil(ticks)) as u64;
+        let expected: Vec<u64> = (1..=12).map(each).collect();
+        assert_eq!(left, expected, "n = {n}, {lanes} lanes, {channels} channels, {distance}");
+        let (account, counters) = (unit.account(), unit.counters());
+        assert_eq!(account.busy, 12 * lane_cycles as u64);
+        assert_eq!(account.waiting[Reason::BusSlice as usize], expected[11] - account.busy);
+        assert_eq!(counters.words, (12 * gathers * words) as u64);
+
+        // The buffers take the four words of a slot at once.
+        let spec = DsbSpec::new(&machine, &setup.geometry);
+        assert_eq!((spec.write_cycles, spec.read_cycles), (words.div_ceil(lanes) as u64, n.div_ceil(lanes) as u64));
+        assert_eq!((spec.slots, spec.frame_planes, spec.depths), (slots as u32, planes as u32, n as u32));
+        assert!(!spec.closes);
+    }
+}
+
+#[test]
+fn the_ring_takes_planes_of_this_frame_and_the_next_and_of_no_third() {
+    let n = 3;
+    for frame_planes in 1..4 {
+        for planes in 2..9 {
+            let one = spec(n, frame_planes, planes as usize);
+            let mut unit = DsbUnit::new([(one, NoPlanes); 4]);
+            let mut aligned = Channel::<Beam<()>>::new("aligned", 2, 1).unwrap();
+            // Nobody takes the rays, and so plane 0 of frame 0 stays.
+            let mut rays = Channel::<RayPair<()>>::new("rays", 1, 1).unwrap();
+            let mut offered = 0;
+            for _ in 0..100 {
+                if offered < 4 * frame_planes * n
+                    && let Some(beam) = aligned.push_slot()
+                {
+                    let plane = offered / n;
+                    (beam.frame, beam.plane, beam.depth) = (plane / frame_planes, plane % frame_planes, offered % n);
+                    beam.row = Some(0);
+                    offered += 1;
+                }
+                unit.tick(&mut aligned, &mut rays);
+                aligned.commit();
+                rays.commit();
+            }
+            // First planes are kept for two frames.
+            let taken = u64::from(planes.min(2 * frame_planes) * n);
+            assert_eq!(aligned.counters().pops, taken, "frames of {frame_planes}, {planes} planes");
+        }
+    }
 }

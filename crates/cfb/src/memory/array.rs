@@ -77,12 +77,12 @@ impl Modules {
             let geometry = &frames[frame as usize].geometry;
             let row = row(geometry, plane, depth);
             let spec = specs[frame as usize];
-            // Of a beam with two rows the second comes behind the first.
+            // Of a beam with two rows the second comes behind the first, if there is a first.
             let half = spec.cycles(row) / spec.rows;
             let (fetched, step) = if spent < half || spec.rows == 1 {
                 (row.map(|row| row as usize), spent)
             } else {
-                (geometry.row_below(plane as usize, depth as usize), spent - half)
+                (row.and(geometry.row_below(plane as usize, depth as usize)), spent - half)
             };
             let served = fetched.map(|row| self.serve(state, geometry, [row, depth as usize], step));
             state.asked.push_back(served.unwrap_or(Served::AT_ONCE));
@@ -182,8 +182,8 @@ impl MemoryState {
 mod tests {
     use super::*;
     use bitvec::prelude::*;
-    use cube3_host::{Cfb, Layout, RaySlots, Rays, VolumeInfo, frame_setup};
-    use cube3_scene::{Scene, View};
+    use cube3_host::{Cfb, Layout, RaySlots, Rays, VolumeInfo, frame_setup, picture_setup};
+    use cube3_scene::{Perspective, Scene, View};
     use proptest::prelude::*;
 
     /// Has modules read a beam as the hardware would: `lanes` voxels at a time, in each cycle a word of each module that has one left.
@@ -246,6 +246,57 @@ mod tests {
                     state.now += pace;
                 }
             }
+        }
+
+        /// Beams of two rows: the row of the plane first, then the one below, each as a beam of its own; outside of the volume nothing
+        /// is read, in as many steps.
+        #[test]
+        fn a_near_eyes_beams_are_asked_for_row_behind_row(
+            lanes in 1_usize..7, dims in [1_usize..9, 1_usize..9, 1_usize..9], eye in [-4.0..12.0_f64, -4.0..12.0_f64, -6.0..4.0_f64],
+            skew in prop_oneof![Just([1_i64; 3]), [-3_i64..4, -3_i64..4, -3_i64..4]], blocks: bool,
+            kind in proptest::sample::select(MemoryModel::TABLE.map(|model| model.kind).to_vec()),
+        ) {
+            let layout = if blocks { Layout::Blocks } else { Layout::Rows };
+            let cfb = Cfb { skew, memory: kind, memory_clock_hz: Some(20e6), layout };
+            let machine = MachineSpec { lanes, cfb, ..MachineSpec::default() };
+            let perspective = Perspective { eye_voxel: Some(eye), ..Perspective::new(150.0) };
+            let view = View { perspective: Some(perspective), ..View::from_direction([0.0, 0.0, 1.0], None) };
+            let scene = Scene { view, ..Scene::default() };
+            let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };
+            let frames = picture_setup(&scene, &machine, &volume, true).unwrap().setups;
+            let modules = Modules::new(&machine, dims).unwrap();
+            let specs: Vec<CfbSpec> = frames.iter().map(|setup| CfbSpec::new(&machine, &setup.geometry)).collect();
+            let mut state = modules.start(frames.len());
+            let mut each = vec![Module::new(&modules.timing); lanes];
+            for (frame, setup) in frames.iter().enumerate() {
+                let geometry = &setup.geometry;
+                let fan = &geometry.perspective.as_ref().unwrap().v;
+                let inside = |y: i32| usize::try_from(y).ok().filter(|&y| y < geometry.size[1]);
+                let steps = (specs[frame].cycles(Some(0)) / specs[frame].rows) as usize;
+                let mut counters = MemoryCounters::default();
+                for plane in 0..fan.count() {
+                    for depth in 0..geometry.size[2] {
+                        let mut read = |row: Option<usize>| match row {
+                            Some(v) => read_beam(&modules, &mut each, geometry, [v, depth], 0, &mut counters),
+                            None => vec![Served::AT_ONCE; steps],
+                        };
+                        let expected = match inside(fan.near(plane, depth)) {
+                            None => vec![Served::AT_ONCE],
+                            Some(v) if geometry.doubled() => {
+                                [read(Some(v)), read(inside(fan.right(plane, depth)))].concat()
+                            }
+                            Some(v) => read(Some(v)),
+                        };
+                        for expected in expected {
+                            modules.ask(&mut state, &frames, &specs, u32::MAX);
+                            prop_assert_eq!(state.asked.pop_front(), Some(expected));
+                        }
+                    }
+                }
+                prop_assert_eq!(state.counters[frame], counters);
+            }
+            modules.ask(&mut state, &frames, &specs, u32::MAX);
+            prop_assert!(state.asked.is_empty());
         }
     }
 }
