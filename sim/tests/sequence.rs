@@ -176,6 +176,72 @@ fn frames_tear_as_the_port_says_and_real_data_shows_the_same() {
     assert_eq!(cycles[0], cycles[2]);
 }
 
+/// An eye near the volume, whose pictures are put together from several base planes.
+const EYE: [&str; 4] = ["--fov", "90", "--distance", "9"];
+
+#[test]
+fn in_perspective_each_frame_is_the_picture_that_it_is_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |out: &str, more: &[&str]| {
+        report(folder.path(), out, &[&["--size", "16", "--reference", "none"], EYE.as_slice(), more].concat())
+    };
+    let alone: Vec<Value> = ["30", "70", "110"].map(|yaw| run("alone", &["--yaw", yaw])).into();
+    let expected: Vec<&Value> = alone.iter().map(|report| &report["digest"]).collect();
+    assert_ne!(expected[0], expected[1]);
+    for fidelity in ["both", "cycle", "function"] {
+        let turned = run("turned", &["--frames", "3", "--turntable", "120", "--fidelity", fidelity]);
+        let digests: Vec<&Value> = frames(&turned).iter().map(|frame| &frame["digest"]).collect();
+        assert_eq!(digests, expected, "{fidelity}");
+        if fidelity == "function" {
+            continue;
+        }
+        // The beams, rays and samples of a picture are those of its passes, one behind another.
+        for key in ["beams", "ray_slots", "samples"] {
+            let sum: u64 = alone.iter().map(|report| report["timing"][key].as_u64().unwrap()).sum();
+            assert_eq!(turned["timing"][key], sum, "{fidelity} {key}");
+        }
+        let ends: Vec<u64> = frames(&turned).iter().map(|frame| frame["end_cycle"].as_u64().unwrap()).collect();
+        assert_eq!(ends[0], alone[0]["timing"]["cycles"].as_u64().unwrap(), "{fidelity}");
+        assert_eq!(ends[2], turned["timing"]["cycles"].as_u64().unwrap(), "{fidelity}");
+    }
+}
+
+#[test]
+fn in_perspective_a_double_buffer_shows_each_volume_as_it_is_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let names = ["a.nrrd", "b.nrrd"];
+    for (name, phase) in names.iter().zip(["0", "0.4"]) {
+        let made =
+            cube3(path, &["volume", "phantom", "beating-heart", "--size", "16", "--phase", phase, "--out", name]);
+        assert!(made.status.success());
+    }
+    let eye = [EYE.as_slice(), &["--reference", "none"]].concat();
+    let series = |fidelity: &str| {
+        let port =
+            ["--frames", "6", "--turntable", "240", "--acquisition", "double-buffer", "--words-per-cycle", "0.25"];
+        let more =
+            [&["--volume"], names.as_slice(), eye.as_slice(), port.as_slice(), &["--fidelity", fidelity]].concat();
+        report(path, fidelity, &more)
+    };
+    let (both, cycle) = (series("both"), series("cycle"));
+    assert_eq!(both["sequence"], cycle["sequence"]);
+    let mut shown = Vec::new();
+    for (index, frame) in frames(&both).iter().enumerate() {
+        let volume = frame["volume"].as_u64().unwrap();
+        assert_eq!(frame["torn"], frame["newest_volume"] != frame["volume"]);
+        assert_eq!(frame["mixed_beams"], 0, "the buffers change roles between frames of the machine");
+        if frame["torn"] == true {
+            continue;
+        }
+        shown.push(volume);
+        let yaw = (30 + 40 * index).to_string();
+        let one = [["--volume", names[volume as usize], "--yaw", &yaw].as_slice(), eye.as_slice()].concat();
+        assert_eq!(frame["digest"], report(path, "alone", &one)["digest"], "frame {index}");
+    }
+    assert!(shown.len() >= 5 && shown.is_sorted() && shown[0] == 0 && shown[4] == 1, "{shown:?}");
+}
+
 #[test]
 fn a_torn_picture_is_further_from_its_reference_than_a_whole_one() {
     let folder = tempfile::tempdir().unwrap();

@@ -95,6 +95,48 @@ proptest! {
         }
     }
 
+    /// Two frames of one picture, beam by beam and voxel by voxel: voxel i of a beam that has seen W words is of volume ⌈(W − i)/voxels⌉.
+    #[test]
+    fn frames_of_one_picture_are_mixed_as_all_of_their_voxels_are(
+        dims in [1_usize..6, 1_usize..6, 1_usize..6], slopes in [[0.0..=1.0_f64, 0.0..=1.0_f64], [0.0..=1.0_f64, 0.0..=1.0_f64]],
+        steps in proptest::collection::vec(0_u64..9, 300), start in [0_u64..400, 0_u64..400], still: bool,
+    ) {
+        let machine = MachineSpec::default();
+        let info = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };
+        let setups: Vec<FrameSetup> = slopes.iter().map(|&[du, dv]| {
+            let scene = Scene { view: View::from_direction([du, dv, 1.0], None), ..Scene::default() };
+            frame_setup(&scene, &machine, &info, true).unwrap().setup
+        }).collect();
+        let voxels: usize = dims.iter().product();
+        let (mut parts, mut counts, mut mixed_beams) = (Vec::new(), std::collections::BTreeMap::new(), 0);
+        for (setup, start) in setups.iter().zip(start) {
+            let geometry = &setup.geometry;
+            let beams: Vec<(u32, u32, u32)> = cube3_cfb::scan(geometry).collect();
+            let mut seen = Vec::new();
+            for &step in steps.iter().take(beams.len()) {
+                seen.push(seen.last().map_or(start, |last| last + if still { 0 } else { step }));
+            }
+            for (&(_, depth, row), &seen) in beams.iter().zip(&seen) {
+                let volumes: Vec<u64> = (0..geometry.size[0]).map(|u| {
+                    let [x, y, z] = geometry.axes.voxel(geometry.size, [u, row as usize, depth as usize]);
+                    (seen + (voxels - 1) as u64 - (x + dims[0] * (y + dims[1] * z)) as u64) / voxels as u64
+                }).collect();
+                mixed_beams += u64::from(volumes.iter().any(|volume| *volume != volumes[0]));
+                volumes.into_iter().for_each(|volume| *counts.entry(volume).or_insert(0_u64) += 1);
+            }
+            parts.push(Sight::next(geometry, dims, &mut seen.as_slice()).mixture());
+        }
+        let picture = parts[0].and(parts[1]);
+        let (oldest, of_oldest) = counts.first_key_value().unwrap();
+        prop_assert_eq!((picture.oldest, picture.newest), (*oldest, *counts.last_key_value().unwrap().0));
+        prop_assert_eq!(picture.voxels, counts.values().sum::<u64>());
+        prop_assert_eq!((picture.newer, picture.mixed_beams), (picture.voxels - of_oldest, mixed_beams));
+        prop_assert_eq!(picture.is_torn(), counts.len() > 1);
+        if parts[0].is_torn() {
+            prop_assert_eq!(picture.first_torn_plane, parts[0].first_torn_plane);
+        }
+    }
+
     #[test]
     fn words_come_in_at_their_rate_to_a_word(
         n in 4_usize..20, slopes in [0.0..=1.0_f64, 0.0..=1.0_f64], part in 0.01..1.5_f64, double: bool, overlap: bool,
