@@ -1,7 +1,7 @@
 //! How far the machine's gradients are from the true ones, where the scene shows a surface.
 
 use cube3_abc::golden::{Local, Neighbourhood, classify_in, local_gradient, normalise};
-use cube3_host::{Basis, DiscreteRay, FrameSetup};
+use cube3_host::{Basis, DiscreteRay, FrameSetup, Perspective, SLOPE_FRACTION_BITS};
 use cube3_trilin::golden::{Weights, cell, lift};
 use cube3_volume::VoxelWords;
 use glam::DVec3;
@@ -33,6 +33,12 @@ fn gradient_pairs(setup: &FrameSetup, volume: &VoxelWords) -> Vec<([f64; 3], [f6
     let mut pairs = Vec::new();
     for row in (0..height).step_by(stride) {
         for column in (0..width).step_by(stride) {
+            // Rays beyond slopes of 1 serve the warp of their neighbours; pictures show those of another pass.
+            let steep = |slopes: &[i64], i: usize| slopes[i].abs() > 1 << SLOPE_FRACTION_BITS;
+            let other = |pass: &Perspective| steep(&pass.u.slopes, column) || steep(&pass.v.slopes, row);
+            if geometry.perspective.as_ref().is_some_and(other) {
+                continue;
+            }
             let first = geometry.first_ray();
             let ray = DiscreteRay { u: first.u + column as i64, v: first.v + row as i64 };
             let class = setup.rays.as_ref().map_or(0, |rays| rays.length_class(row, column));

@@ -2,9 +2,10 @@
 
 use crate::machine::Machine;
 use crate::problem::Outcome;
+use cube3_cfb::PortSpec;
 use cube3_host::{
-    Acquisition, AcquisitionMode, Boards, Bus, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, FrameSetup, HostLink,
-    MachineSpec, MemoryType,
+    Acquisition, AcquisitionMode, Boards, Bus, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, FrameSetup, Frames,
+    HostLink, MachineSpec, MemoryType,
 };
 use cube3_report::{LimitWithout, LimitsReport};
 
@@ -16,7 +17,7 @@ struct Resource {
 }
 
 /// Resources that can be taken out of the way, in the order of the pipeline. The pipeline itself is what is left.
-const RESOURCES: [Resource; 8] = [
+const RESOURCES: [Resource; 9] = [
     Resource {
         name: "memory",
         replaced_by: "modules that give a word in every cycle, without conflicts",
@@ -73,6 +74,11 @@ const RESOURCES: [Resource; 8] = [
         replaced_by: "a host that takes any number of bytes",
         remove: |m| MachineSpec { host_link: HostLink { bytes_per_cycle: None }, ..m.clone() },
     },
+    Resource {
+        name: "drain",
+        replaced_by: "the next frame behind this one's last beam",
+        remove: |m| MachineSpec { frames: Frames { overlap: true }, ..m.clone() },
+    },
 ];
 
 /// Channels at full rate with the same latencies.
@@ -93,24 +99,38 @@ fn roomy(channels: &Channels) -> Channels {
 /// # Errors
 /// A machine that cannot move.
 pub fn frame_interval(machine: &MachineSpec, passes: &[FrameSetup]) -> Outcome<u64> {
+    interval_under(machine, passes, None)
+}
+
+/// The same while volumes of `incoming` voxels along x, y, z come in without end.
+fn interval_under(machine: &MachineSpec, passes: &[FrameSetup], incoming: Option<[usize; 3]>) -> Outcome<u64> {
     let frames = [passes, passes, passes].concat();
     let mut run = Machine::timing(machine, frames)?;
+    if let Some(dims) = incoming {
+        run.acquire(PortSpec::new(machine, dims, None));
+        run.begin_pictures([0, 1, 2].map(|picture| picture * passes.len() as u32).to_vec());
+    }
     run.run(&|_, _| {})?;
     let ends = run.counters().frame_ends;
     Ok(ends[3 * passes.len() - 1] - ends[2 * passes.len() - 1])
 }
 
-/// Finds the resource without which frames follow each other fastest, and what limits then. `interval` is
-/// [`frame_interval`] of the machine.
+/// Finds the resource without which frames follow each other fastest, and what limits then; while volumes of `incoming` voxels
+/// along x, y, z come in, if any.
 ///
 /// # Errors
 /// As [`frame_interval`].
-pub fn limits(machine: &MachineSpec, passes: &[FrameSetup], interval: u64) -> Outcome<LimitsReport> {
+pub fn limits(machine: &MachineSpec, passes: &[FrameSetup], incoming: Option<[usize; 3]>) -> Outcome<LimitsReport> {
+    let interval = interval_under(machine, passes, incoming)?;
+    let interval_without = |machine: &MachineSpec, resource: &Resource| {
+        let freed = (resource.remove)(machine);
+        if freed == *machine { Ok(None) } else { interval_under(&freed, passes, incoming).map(Some) }
+    };
     let fps = |interval: u64| machine.clock_hz / interval.max(1) as f64;
     let mut without = Vec::new();
     let mut best: Option<(u64, &Resource)> = None;
     for resource in &RESOURCES {
-        let Some(interval) = interval_without(machine, passes, resource)? else { continue };
+        let Some(interval) = interval_without(machine, resource)? else { continue };
         without.push(LimitWithout {
             resource: resource.name.into(),
             replaced_by: resource.replaced_by.into(),
@@ -126,7 +146,7 @@ pub fn limits(machine: &MachineSpec, passes: &[FrameSetup], interval: u64) -> Ou
             let freed = (critical.remove)(machine);
             let mut next = (least, "pipeline");
             for resource in RESOURCES.iter().filter(|resource| resource.name != critical.name) {
-                if let Some(then) = interval_without(&freed, passes, resource)?
+                if let Some(then) = interval_without(&freed, resource)?
                     && then < next.0
                 {
                     next = (then, resource.name);
@@ -137,7 +157,8 @@ pub fn limits(machine: &MachineSpec, passes: &[FrameSetup], interval: u64) -> Ou
     };
     let sentence = match (fps_without, next) {
         (Some(faster), Some(next)) => {
-            format!("{critical}: {:.1} frames/s; without it {faster:.1}, then the {next} limits", fps(interval))
+            let verb = if matches!(next, "buffers" | "links" | "channels") { "limit" } else { "limits" };
+            format!("{critical}: {:.1} frames/s; without it {faster:.1}, then the {next} {verb}", fps(interval))
         }
         _ => format!(
             "{critical}: {:.1} frames/s, with {} lanes at {} MHz; no other resource slows it",
@@ -154,10 +175,4 @@ pub fn limits(machine: &MachineSpec, passes: &[FrameSetup], interval: u64) -> Ou
         sentence,
         without,
     })
-}
-
-/// The interval without a resource; none where the machine has it out of the way already.
-fn interval_without(machine: &MachineSpec, passes: &[FrameSetup], resource: &Resource) -> Outcome<Option<u64>> {
-    let freed = (resource.remove)(machine);
-    if freed == *machine { Ok(None) } else { frame_interval(&freed, passes).map(Some) }
 }

@@ -347,6 +347,11 @@ impl<F: Fidelity> Machine<F> {
         self.cfb.acquire(port);
     }
 
+    /// Sets the frames that begin a picture, in order, where a picture has several: a double buffer changes roles before these alone.
+    pub fn begin_pictures(&mut self, frames: Vec<u32>) {
+        self.cfb.begin_pictures(frames);
+    }
+
     /// The port that volumes come in through, where there is one.
     pub fn port(&self) -> Option<&AcquisitionPort> {
         self.cfb.port()

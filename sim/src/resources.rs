@@ -242,6 +242,10 @@ fn interfaces(machine: &MachineSpec, frames: &[FrameSetup], counters: &RunCounte
     let depths = |setup: &FrameSetup| setup.geometry.size[2] as f64;
     let fetched = counters.beams as f64 * beam;
     let rays = sum(&|setup| slots(setup) * depths(setup));
+    // Voxels that a ray brings for each depth: of two planes, or a cell of its own.
+    let corners_of = |setup: &FrameSetup| if setup.geometry.doubled() { 4.0 } else { 2.0 };
+    let corners = sum(&|setup| corners_of(setup) * slots(setup) * depths(setup));
+    let most_corners = frames.iter().map(corners_of).fold(2.0, f64::max);
     let interface = |name: &str, peak: Option<f64>, total: f64| InterfaceReport {
         name: name.into(),
         peak_bytes_per_s: peak,
@@ -252,7 +256,7 @@ fn interfaces(machine: &MachineSpec, frames: &[FrameSetup], counters: &RunCounte
     let mut interfaces = vec![
         interface("memory to bus", Some(lanes * voxel * memory_clock), fetched * voxel),
         interface("bus to buffers", Some(bus * voxel), counters.bus.words as f64 * voxel),
-        interface("buffers to interpolation", Some(2.0 * lanes * voxel * clock), 2.0 * rays * voxel),
+        interface("buffers to interpolation", Some(most_corners * lanes * voxel * clock), corners * voxel),
         interface("interpolation to shading", Some(lanes * sample * clock), rays * sample),
         interface("shading to cone", Some(lanes * shaded * clock), rays * shaded),
         interface(

@@ -185,7 +185,7 @@ pub fn run_frame_with(
     let samples = frames.setups.iter().map(|setup| setup.geometry.sample_count()).sum();
     let wall = WallReport { reference_s, total_s: Some(total.finish()), ..run.wall(samples) };
     let asked = Asked { scene, machine, volume, options };
-    let found = Found { frames: 1, interval: None, samples, error, digest, wall, sequence: None };
+    let found = Found { frames: 1, incoming: None, interval: None, samples, error, digest, wall, sequence: None };
     let report = asked.report(&frames, &run, found)?;
     let mut told = run.told;
     told.extend(notes(scene, volume, run.bases.as_deref(), samples));
@@ -203,6 +203,8 @@ pub(crate) struct Asked<'a> {
 /// What was found out beside the machine's own counters.
 pub(crate) struct Found {
     pub(crate) frames: u64,
+    /// Voxels along x, y, z of the volumes that come in, where any do.
+    pub(crate) incoming: Option<[usize; 3]>,
     /// Cycles from a picture's last pixel to the next one's; measured on the picture following itself where it is not given.
     pub(crate) interval: Option<u64>,
     pub(crate) samples: u64,
@@ -221,8 +223,8 @@ impl Asked<'_> {
         let (mut limits, mut resources) = (None, None);
         if let Some(counters) = &run.counters {
             interval = found.interval.map_or_else(|| limits::frame_interval(machine, passes), Ok)?;
+            limits = Some(limits::limits(machine, passes, found.incoming)?);
             if found.sequence.is_none() {
-                limits = Some(limits::limits(machine, passes, interval)?);
                 resources = Some(resources::resources(machine, volume.words.dims, passes, counters, interval));
             }
         }
@@ -249,7 +251,10 @@ impl Asked<'_> {
                     beams: counters.beams,
                     samples: found.samples,
                     ray_slots: counters.ray_slots,
-                    fill_cycles: counters.cycles - counters.steady_cycles,
+                    fill_cycles: match found.frames {
+                        1 if machine.frames.overlap => counters.cycles - interval,
+                        _ => counters.cycles - counters.steady_cycles,
+                    },
                     frame_interval_cycles: interval,
                 }
                 .into()
@@ -435,6 +440,9 @@ pub(crate) fn notes(scene: &Scene, volume: &LoadedVolume, bases: Option<&[BasePl
     let layers = scene.transfer.layers.iter().flat_map(|layer| &layer.opacity);
     let mut points = scene.transfer.opacity.iter().chain(layers).filter(|point| point[1] > 0.0);
     let why = match points.next() {
+        _ if samples == 0 && scene.view.perspective.is_some() => {
+            "no ray from this eye meets the volume; turn the view, or move the eye".to_owned()
+        }
         _ if samples == 0 => {
             "the volume has no sample in this view; try another view, or rays.offset = 0 in the machine file".to_owned()
         }

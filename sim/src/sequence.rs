@@ -210,7 +210,9 @@ pub fn run_sequence(
             }
             let port = moves
                 .then(|| PortSpec::new(machine, first.words.dims, series.count().map(|count| count.saturating_sub(1))));
-            Some(clock(machine, series, setups, port, options.runs, &mut run)?)
+            let before = passes.iter().take(frames.saturating_sub(1)).map(|&end| end as u32);
+            let pictures = std::iter::once(0).chain(before).collect();
+            Some(clock(machine, series, (setups, pictures), port, options.runs, &mut run)?)
         }
     };
     let ends: Option<Vec<u64>> = clocked.as_ref().map(|clocked| {
@@ -330,6 +332,7 @@ pub fn run_sequence(
         acquisition,
         frames: reports,
     };
+    let clocked_port = port.is_some();
     if let Some(clocked) = clocked {
         run.counters = Some(clocked.counters);
         if options.runs == Runs::Cycle {
@@ -340,6 +343,7 @@ pub fn run_sequence(
     let asked = Asked { scene, machine, volume: &first, options };
     let found = Found {
         frames: frames as u64,
+        incoming: clocked_port.then_some(first.words.dims),
         interval: ends.as_deref().and_then(|ends| match ends {
             [first, .., last] => Some((last - first) / (ends.len() as u64 - 1)),
             _ => None,
@@ -363,11 +367,11 @@ fn scene_at(scene: &Scene, frame: usize, frames: usize) -> Scene {
     Scene { view, ..scene.clone() }
 }
 
-/// Runs the clock over all frames, with or without data.
+/// Runs the clock over all frames, of which some begin a picture, with or without data.
 fn clock(
     machine: &MachineSpec,
     series: &mut Series,
-    setups: Vec<FrameSetup>,
+    (setups, pictures): (Vec<FrameSetup>, Vec<u32>),
     port: Option<PortSpec>,
     runs: Runs,
     run: &mut MachineRun,
@@ -377,6 +381,7 @@ fn clock(
     let mut timing: Machine<Timing> = Machine::timing(machine, setups)?;
     if let Some(port) = port {
         timing.acquire(port);
+        timing.begin_pictures(pictures.clone());
     }
     timing.run(&|done, all| progress.set(done, all))?;
     let (counters, after) = (timing.counters(), timing.port().cloned());
@@ -399,6 +404,7 @@ fn clock(
         }
         let words = (1..=begun).map(|index| Ok(series.volume(index)?.words.words.clone()));
         machine.acquire_volumes(spec, words.collect::<Outcome<Vec<Vec<u16>>>>()?);
+        machine.begin_pictures(pictures);
     }
     machine.run(&|done, all| progress.set(done, all))?;
     run.cycle_s = Some(progress.finish());

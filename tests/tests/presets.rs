@@ -94,6 +94,6 @@ fn read_by_beams_the_sdram_of_em_cube_would_be_critical() {
     beams.cfb.memory = cube3_host::MemoryType::Sdram;
     beams.cfb.memory_clock_hz = Some(125e6);
     let passes = [setup(&beams, 64, [0.5, 0.25])];
-    let found = limits(&beams, &passes, frame_interval(&beams, &passes).unwrap()).unwrap();
+    let found = limits(&beams, &passes, None).unwrap();
     assert_eq!((found.critical.as_str(), found.next.as_deref()), ("memory", Some("pipeline")), "{}", found.sentence);
 }

@@ -101,7 +101,7 @@ fn a_machine_that_never_waits_is_limited_by_its_pipeline() {
     let frames = [setup(&machine, 16)];
     let interval = frame_interval(&machine, &frames).unwrap();
     assert_eq!(interval, 256);
-    let found = limits(&machine, &frames, interval).unwrap();
+    let found = limits(&machine, &frames, None).unwrap();
     assert_eq!((found.critical.as_str(), found.next, found.fps_without), ("pipeline", None, None));
     assert!(found.without.is_empty(), "nothing is in the way that could be taken out of it");
     assert!(found.sentence.starts_with("pipeline: 31250.0 frames/s"), "{}", found.sentence);
@@ -114,7 +114,7 @@ fn a_bad_skew_makes_the_memory_critical_and_then_the_pipeline_limits() {
     let frames = [setup(&machine, 16)];
     let interval = frame_interval(&machine, &frames).unwrap();
     assert_eq!(interval, 4 * 256);
-    let found = limits(&machine, &frames, interval).unwrap();
+    let found = limits(&machine, &frames, None).unwrap();
     assert_eq!((found.critical.as_str(), found.next.as_deref()), ("memory", Some("pipeline")));
     assert!((found.fps_without.unwrap() / found.fps - 4.0).abs() < 1e-12);
     assert_eq!(found.sentence, "memory: 7812.5 frames/s; without it 31250.0, then the pipeline limits");
@@ -132,6 +132,6 @@ fn of_two_limits_the_slower_is_critical_and_the_other_limits_then() {
     };
     let frames = [setup(&machine, 16)];
     let interval = frame_interval(&machine, &frames).unwrap();
-    let found = limits(&machine, &frames, interval).unwrap();
+    let found = limits(&machine, &frames, None).unwrap();
     assert_eq!((found.critical.as_str(), found.next.as_deref()), ("memory", Some("host")), "{}", found.sentence);
 }

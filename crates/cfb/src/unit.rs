@@ -124,6 +124,8 @@ pub struct CfbUnit<F> {
     /// Modules that do not give any word in any cycle.
     modules: Option<Modules>,
     port: Option<AcquisitionPort>,
+    /// Frames that begin a picture; each does where there are none.
+    pictures: Vec<u32>,
     state: State,
     account: Account,
 }
@@ -174,7 +176,15 @@ impl<F: Fetch> CfbUnit<F> {
 
     /// A frame buffer at the start of the first of some frames, whose modules give any word in any cycle.
     pub fn new(specs: Vec<CfbSpec>, memory: F) -> CfbUnit<F> {
-        CfbUnit { specs, memory, modules: None, port: None, state: State::default(), account: Account::default() }
+        CfbUnit {
+            specs,
+            memory,
+            modules: None,
+            port: None,
+            pictures: Vec::new(),
+            state: State::default(),
+            account: Account::default(),
+        }
     }
 
     /// With modules that take their time.
@@ -187,6 +197,11 @@ impl<F: Fetch> CfbUnit<F> {
     /// Lets volumes come in while frames are read.
     pub fn acquire(&mut self, port: PortSpec) {
         self.port = Some(AcquisitionPort::new(port));
+    }
+
+    /// Sets the frames that begin a picture, in order: a double buffer changes roles before these alone.
+    pub fn begin_pictures(&mut self, frames: Vec<u32>) {
+        self.pictures = frames;
     }
 
     /// The port that volumes come in through, where there is one.
@@ -234,7 +249,9 @@ impl<F: Fetch> CfbUnit<F> {
         let reads = self.reads(frames, released, beams);
         if let Some(port) = &mut self.port {
             port.arrive();
-            if self.state.scan.between_frames() && port.can_show() {
+            let scan = &self.state.scan;
+            let begins = self.pictures.is_empty() || self.pictures.binary_search(&scan.frame).is_ok();
+            if scan.between_frames() && begins && port.can_show() {
                 port.show();
                 self.memory.swap();
             }
@@ -318,7 +335,7 @@ impl<F: Fetch> CfbUnit<F> {
 
 impl<F> Archived for CfbUnit<F> {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let CfbUnit { specs: _, memory: _, modules: _, port, state, account } = self;
+        let CfbUnit { specs: _, memory: _, modules: _, port, pictures: _, state, account } = self;
         archive.item(port)?;
         archive.item(state)?;
         archive.item(account)

@@ -228,6 +228,7 @@ mod tests {
                     offset,
                     weight_bits: 8,
                     rule: if plane { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
+                    grid: 0.5,
                 })
             },
         )

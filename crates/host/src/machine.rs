@@ -613,12 +613,13 @@ impl MachineSpec {
             check(good, key, value.unwrap_or_default().to_string(), reason)
         };
         let clock = |key, value: Option<f64>| {
-            let good = value.is_none_or(|value| (1.0..=1e15).contains(&value));
-            check(good, key, value.unwrap_or_default().to_string(), "outside 1 to 10^15 hertz")
+            let good = value.is_none_or(|value| (1.0..=1e15).contains(&value) && value >= self.clock_hz / 1000.0);
+            let reason = "outside 1 to 10^15 hertz, or below a thousandth of clock_hz";
+            check(good, key, value.unwrap_or_default().to_string(), reason)
         };
         let rate = |key, value: Option<f64>| {
-            let good = value.is_none_or(|value| (1e-6..=1e9).contains(&value));
-            check(good, key, value.unwrap_or_default().to_string(), "outside 10^-6 to 10^9 in a cycle")
+            let good = value.is_none_or(|value| (1e-3..=1e9).contains(&value));
+            check(good, key, value.unwrap_or_default().to_string(), "outside 0.001 to 10^9 in a cycle")
         };
         clock("cfb.memory_clock_hz", self.cfb.memory_clock_hz)?;
         let (model, memory_clock) = (MemoryModel::of(self.cfb.memory), self.memory_clock_hz());

@@ -237,7 +237,8 @@ mod tests {
                         if i + 1 < fan.count() {
                             prop_assert!(fan.near(i + 1, k) >= fan.near(i, k));
                             prop_assert!(pass.doubled || fan.right(i, k) == fan.near(i + 1, k));
-                            prop_assert!(fan.right(i, k) <= fan.near(i, k) + 4, "rays are at most 3 apart");
+                            let apart = pass.spacing_at(k as i64, 0, 8).ceil().max(1.0) as i32 + 1;
+                            prop_assert!(fan.right(i, k) <= fan.near(i, k) + apart);
                         }
                     }
                 }

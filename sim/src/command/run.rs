@@ -52,10 +52,10 @@ pub struct RunArguments {
     #[arg(long, value_name = "PERIODS", allow_negative_numbers = true, requires = "frames")]
     phase_per_frame: Option<f64>,
     /// How volumes that come in share the memory modules with reads.
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, requires = "frames")]
     acquisition: Option<AcquisitionArgument>,
     /// Voxel words that come in with a cycle.
-    #[arg(long, value_name = "WORDS")]
+    #[arg(long, value_name = "WORDS", requires = "frames")]
     words_per_cycle: Option<f64>,
     /// How a ray becomes a pixel: composite, first-opaque, last-opaque, maximum, minimum or weighted-sum.
     #[arg(long)]
@@ -269,6 +269,15 @@ impl RunArguments {
             return Err(Problem::new(
                 "--fidelity function has no units to draw; give --fidelity timing, both or cycle",
             ));
+        }
+        if let Some(folder) = self.topology.as_deref().and_then(std::path::Path::parent)
+            && !folder.as_os_str().is_empty()
+            && !folder.is_dir()
+        {
+            return Err(Problem::new(format!(
+                "{}: there is no such folder; give a file in one that is there",
+                folder.display()
+            )));
         }
         let trace = match (&self.trace, self.to) {
             (Some(path), Some(to)) => {
