@@ -24,7 +24,11 @@ fn arguments() -> Outcome<Arguments> {
         let text = error.to_string();
         let told =
             text.lines().take_while(|line| !line.starts_with("Usage:")).map(str::trim).filter(|line| !line.is_empty());
-        let told = told.filter(|line| !line.starts_with("For more information")).collect::<Vec<_>>().join("; ");
+        let told = told
+            .filter(|line| !line.starts_with("For more information"))
+            .collect::<Vec<_>>()
+            .join("; ")
+            .replace(":; ", ": ");
         Problem::new(format!("{}; --help lists what can be given", told.strip_prefix("error: ").unwrap_or(&told)))
     })
 }

@@ -272,7 +272,7 @@ fn mistakes_get_one_message_and_leave_nothing() {
         (&["--size", "8", "--phase", "0.5"], "head does not move"),
         (&["--size", "8", "--frames", "2", "--phase-per-frame", "0.5"], "phantom head does not move"),
         (&["--volume", "a.nrrd", "--phase", "0.5"], "volume.phase"),
-        (&["--size", "8", "--words-per-cycle", "0"], "acquisition.words_per_cycle"),
+        (&["--size", "8", "--frames", "2", "--words-per-cycle", "0"], "acquisition.words_per_cycle"),
         (&["--size", "8", "--scene", "direction.toml", "--frames", "2", "--turntable", "9"], "given by a direction"),
     ];
     for (arguments, expected) in cases {

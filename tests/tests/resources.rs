@@ -131,7 +131,6 @@ fn of_two_limits_the_slower_is_critical_and_the_other_limits_then() {
         ..MachineSpec::default()
     };
     let frames = [setup(&machine, 16)];
-    let interval = frame_interval(&machine, &frames).unwrap();
     let found = limits(&machine, &frames, None).unwrap();
     assert_eq!((found.critical.as_str(), found.next.as_deref()), ("memory", Some("host")), "{}", found.sentence);
 }
