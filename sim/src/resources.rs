@@ -56,6 +56,10 @@ fn operators(machine: &MachineSpec, frames: &[FrameSetup]) -> Vec<OperatorsRepor
     };
     part("trilin", lanes, lerp.times(u64::from(machine.trilin.reuse.lerps())));
     part("abc: gradient", lanes, gradient(machine.abc.gradient, lerp, round));
+    let of_frame = frames.iter().filter_map(|setup| setup.gradient.as_ref()).map(|registers| registers.method);
+    if let Some(near) = of_frame.into_iter().find(|&method| method != machine.abc.gradient) {
+        part("abc: gradient for near eyes", lanes, gradient(near, lerp, round));
+    }
     let drops = u64::from(machine.words.gradient_drop() > 0);
     if machine.abc.gradient != GradientMethod::Ten {
         part("abc: gradient scale", lanes, counts(3, 3 * round, 0));

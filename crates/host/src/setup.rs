@@ -154,14 +154,20 @@ fn is_lit(scene: &Scene) -> bool {
     scene.material.shaded && lights_matter(scene.mode)
 }
 
+/// Rays that are no farther apart than this anywhere, in voxels, are near throughout.
+const NEAR_SPACING: f64 = 2.0;
+
 /// The machine as a frame uses it: where rays share columns, a ray moves by more than a ray from plane to plane, and the four samples of
-/// estimator 12 are too near: 6d does it by two multiplications.
+/// estimator 12 are too near. Two multiplications do it: of 26d, whose nine differences for each component bear near samples best, or of
+/// 6d where rays are also far apart, and sums over them would smooth too much.
 fn in_frame<'a>(machine: &'a MachineSpec, geometry: &Geometry) -> Cow<'a, MachineSpec> {
+    let Some(pass) = &geometry.perspective else {
+        return Cow::Borrowed(machine);
+    };
+    let back = pass.spacing_at(geometry.size[2] as i64 - 1, geometry.offset, geometry.weight_bits);
     let gradient = match machine.abc.gradient {
-        _ if geometry.perspective.is_none() => return Cow::Borrowed(machine),
-        GradientMethod::Twelve if geometry.perspective.as_ref().is_some_and(|pass| pass.doubled) => {
-            GradientMethod::SixSheared
-        }
+        GradientMethod::Twelve if pass.doubled && back <= NEAR_SPACING => GradientMethod::TwentySixSheared,
+        GradientMethod::Twelve if pass.doubled => GradientMethod::SixSheared,
         // Nothing reads the gradient, or it would have been refused.
         GradientMethod::Ten | GradientMethod::TenNormalised => GradientMethod::SixSheared,
         method => method,
