@@ -8,7 +8,7 @@ use cube3_host::{
     picture_setup, warp_passes,
 };
 use cube3_raycast::{ImageOrderOptions, image_order};
-use cube3_scene::{Image, Perspective, Scene, View, VolumeSource};
+use cube3_scene::{Image, Light, Material, Perspective, Scene, View, VolumeSource};
 use cube3_tests::{SmallVolume, for_perspective, machines, scenes, volumes};
 use cube3_volume::{Phantom, PhantomParams, ReadOptions, WordConversion};
 use proptest::prelude::*;
@@ -72,10 +72,20 @@ proptest! {
 /// same to a few parts in a thousand.
 #[test]
 fn lit_the_far_picture_is_the_parallel_one_within_a_tolerance() {
+    let scene = head(48);
+    let from_the_side = Light { direction: Some([-1.0, 0.3, 0.8]), colour: [1.0, 0.5, 0.25] };
+    let one_sided = Material { two_sided: false, specular: 0.6, ..Material::default() };
+    let [eye, side] = [vec![Light::default()], vec![from_the_side, Light::default()]];
+    for lights in [eye, side] {
+        compare_far_with_parallel(Scene { lights: lights.clone(), ..scene.clone() });
+        compare_far_with_parallel(Scene { lights, material: one_sided.clone(), ..scene.clone() });
+    }
+}
+
+fn compare_far_with_parallel(scene: Scene) {
     let volume = inputs::volume(&head(48), &MachineSpec::default(), &ReadOptions::default(), false).unwrap();
     let mut machine = MachineSpec::default();
     machine.rays.slots = RaySlots::Padded;
-    let scene = head(48);
     let far = Perspective { distance_voxel: Some(1e12), ..Perspective::new(1e-2) };
     let words = &volume.words;
     let mut frames = picture_setup(
