@@ -1,6 +1,6 @@
 //! The interpolation of one sample. The definition.
 
-use cube3_word::{Words, lerp};
+use cube3_word::{Probe, Words, lerp_wires};
 
 /// Weights of a sample, fractions of the machine's weight bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,8 +23,17 @@ pub fn lift(voxel: u16, words: &Words) -> i32 {
 ///
 /// Four lerps along w, two along u, one along v, each rounded; no value leaves the range of the corners.
 pub fn cell(corners: [[[i32; 2]; 2]; 2], weights: Weights, words: &Words) -> i32 {
-    let lerp = |near, far, weight| lerp(near, far, weight, words.weight_bits, words.rounding);
-    let along_w = |v: usize, u: usize| lerp(corners[0][v][u], corners[1][v][u], weights.w);
-    let along_u = |v: usize| lerp(along_w(v, 0), along_w(v, 1), weights.u);
-    lerp(along_u(0), along_u(1), weights.v)
+    cell_wires(corners, weights, words, &mut ())
+}
+
+/// [`cell`], and what its wires carry.
+pub fn cell_wires(corners: [[[i32; 2]; 2]; 2], weights: Weights, words: &Words, probe: &mut impl Probe) -> i32 {
+    let mut lerp = |part, place, near, far, weight| {
+        probe.within(part, place, |probe| lerp_wires(near, far, weight, words.weight_bits, words.rounding, probe))
+    };
+    let mut along_w = |v: usize, u: usize| lerp("along_w", 2 * v + u, corners[0][v][u], corners[1][v][u], weights.w);
+    let edges = [[along_w(0, 0), along_w(0, 1)], [along_w(1, 0), along_w(1, 1)]];
+    let mut along_u = |v: usize| lerp("along_u", v, edges[v][0], edges[v][1], weights.u);
+    let sides = [along_u(0), along_u(1)];
+    lerp("along_v", 0, sides[0], sides[1], weights.v)
 }

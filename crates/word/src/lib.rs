@@ -12,10 +12,12 @@
 
 mod formats;
 mod lanes;
+mod probe;
 mod rounding;
 mod unit;
 
 pub use formats::{WordError, Words};
 pub use lanes::{LerpLanes, vectorised};
-pub use rounding::{Rounding, Shift, lerp, saturate};
+pub use probe::Probe;
+pub use rounding::{Rounding, Shift, lerp, lerp_wires, saturate};
 pub use unit::{quantise_fraction, quantise_unit, unit_full, unit_mul, unit_resize};

@@ -1,5 +1,6 @@
 //! Rounding shifts, saturation and the linear interpolation built from them.
 
+use crate::Probe;
 use serde::{Deserialize, Serialize};
 
 /// What happens to the bits that a right shift drops.
@@ -61,8 +62,28 @@ impl Shift {
 /// cannot overflow. Pfister et al. 1995, section 3.
 #[inline(always)]
 pub fn lerp(near: i32, far: i32, weight: u32, fraction_bits: u32, rounding: Rounding) -> i32 {
-    let step = (i64::from(far) - i64::from(near)) * i64::from(weight);
-    (i64::from(near) + rounding.shift_right(step, fraction_bits)) as i32
+    lerp_wires(near, far, weight, fraction_bits, rounding, &mut ())
+}
+
+/// [`lerp`], and what its wires carry.
+#[inline(always)]
+pub fn lerp_wires(
+    near: i32,
+    far: i32,
+    weight: u32,
+    fraction_bits: u32,
+    rounding: Rounding,
+    probe: &mut impl Probe,
+) -> i32 {
+    let difference = i64::from(far) - i64::from(near);
+    let product = difference * i64::from(weight);
+    let step = rounding.shift_right(product, fraction_bits);
+    let value = (i64::from(near) + step) as i32;
+    probe.wire("difference", 0, difference.into());
+    probe.wire("product", 0, product.into());
+    probe.wire("step", 0, step.into());
+    probe.wire("value", 0, value.into());
+    value
 }
 
 /// The nearest value that a signed word of `bits` (1 to 32) can hold, and whether it differs.

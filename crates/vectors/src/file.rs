@@ -1,0 +1,157 @@
+//! The text form of vectors: a header of `//` comments, then a line of hexadecimal fields for each transaction or cycle.
+//!
+//! `$readmemh`, `$fscanf`, a spreadsheet and three lines of any script can read it.
+
+use crate::{Field, Format, Vectors};
+use sha2::{Digest, Sha256};
+use std::fmt::Write;
+
+/// First line of every file: name and version of the form.
+const MAGIC: &str = "cube3 vectors 1";
+
+fn ports(fields: &[Field]) -> String {
+    let mut text = String::new();
+    for (i, field) in fields.iter().enumerate() {
+        if i > 0 && fields[i - 1].port == field.port {
+            continue;
+        }
+        let count = fields.iter().filter(|other| other.port == field.port).count();
+        let name = field.name.split('[').next().unwrap_or_default();
+        let sign = if field.signed { "s" } else { "" };
+        let row = if count > 1 { format!("[{count}]") } else { String::new() };
+        let _ = write!(text, " {name}{row}:{sign}{}", field.bits);
+    }
+    text
+}
+
+/// The text of fields' values.
+pub(crate) fn line(fields: &[Field], values: &[i128]) -> String {
+    let words: Vec<String> = fields.iter().zip(values).map(|(field, value)| field.text(*value)).collect();
+    words.join(" ")
+}
+
+impl Vectors {
+    /// The contents of `<unit>.hex`.
+    pub fn text(&self) -> String {
+        let mut body = String::new();
+        for (inputs, outputs) in self.inputs.iter().zip(&self.outputs) {
+            let _ = writeln!(body, "{} {}", line(&self.fields[0], inputs), line(&self.fields[1], outputs));
+        }
+        let mut hash = Sha256::new();
+        hash.update(&body);
+        let mut tables = String::new();
+        for (name, text) in self.table_texts() {
+            hash.update(&text);
+            let _ = write!(tables, " {name}:{}", text.lines().count());
+        }
+        let settings: Vec<String> = self
+            .format
+            .settings()
+            .into_iter()
+            .filter(|(name, _)| self.sheet.parameters.contains(name))
+            .map(|(name, value)| format!(" {name}={value}"))
+            .collect();
+        let digest: String = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+        let counted = if self.sheet.clocked { "cycles" } else { "transactions" };
+        format!(
+            "// {MAGIC}\n// unit {}\n// format{}\n// seed {}\n// generator cube3 {}\n// {counted} {}\n// inputs{}\n\
+             // outputs{}\n// tables{tables}\n// sha256 {digest}\n{body}",
+            self.sheet.name,
+            settings.concat(),
+            self.seed,
+            env!("CARGO_PKG_VERSION"),
+            self.inputs.len(),
+            ports(&self.fields[0]),
+            ports(&self.fields[1]),
+        )
+    }
+
+    /// The contents of `<unit>.<table>.hex` for each table: its name, and an entry a line.
+    pub fn table_texts(&self) -> Vec<(&'static str, String)> {
+        let text = |bits: i128, entries: &[i128]| {
+            let field = Field { name: String::new(), port: 0, bits: bits as u32, signed: false, range: [0, 0] };
+            entries.iter().map(|entry| field.text(*entry) + "\n").collect::<String>()
+        };
+        let tables = self.sheet.tables.iter().zip(&self.tables);
+        tables.filter_map(|(of, table)| Some((of.name, text(self.format.evaluate(of.bits).ok()?, table)))).collect()
+    }
+}
+
+/// A vector file that was read: what drives the unit. What it answers is evaluated anew.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VectorFile {
+    /// The unit.
+    pub unit: String,
+    /// The format, where the file says nothing the default.
+    pub format: Format,
+    /// The seed.
+    pub seed: u64,
+    /// The words of each line.
+    pub lines: Vec<Vec<u128>>,
+}
+
+/// Why a text is no vector file.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FileError {
+    /// No header.
+    #[error("no cube3 vector file: the first line is not \"// {MAGIC}\"; `cube3 vectors` writes such files")]
+    Magic,
+    /// A header line.
+    #[error("line {line}: \"{text}\" is not understood; `cube3 vectors` writes such files")]
+    Header {
+        /// Line, from 1.
+        line: usize,
+        /// Its text.
+        text: String,
+    },
+    /// A word.
+    #[error("line {line}: \"{text}\" is no hexadecimal number")]
+    Word {
+        /// Line, from 1.
+        line: usize,
+        /// The word.
+        text: String,
+    },
+}
+
+impl VectorFile {
+    /// Reads the text of a file.
+    ///
+    /// # Errors
+    /// The first line that is not understood.
+    pub fn parse(text: &str) -> Result<VectorFile, FileError> {
+        let mut file = VectorFile { unit: String::new(), format: Format::default(), seed: 0, lines: Vec::new() };
+        if text.lines().next().map(str::trim) != Some(&format!("// {MAGIC}")) {
+            return Err(FileError::Magic);
+        }
+        for (number, text) in text.lines().enumerate() {
+            let line = number + 1;
+            let header = || FileError::Header { line, text: text.to_owned() };
+            let Some(comment) = text.trim().strip_prefix("//") else {
+                let word = |word: &str| {
+                    u128::from_str_radix(word, 16).map_err(|_| FileError::Word { line, text: word.to_owned() })
+                };
+                let words: Vec<u128> = text.split_whitespace().map(word).collect::<Result<_, _>>()?;
+                if !words.is_empty() {
+                    file.lines.push(words);
+                }
+                continue;
+            };
+            match comment.trim().split_once(' ') {
+                Some(("unit", name)) => file.unit = name.trim().into(),
+                Some(("seed", seed)) => file.seed = seed.trim().parse().map_err(|_| header())?,
+                Some(("format", settings)) => {
+                    for setting in settings.split_whitespace() {
+                        let set = setting
+                            .split_once('=')
+                            .and_then(|(name, value)| file.format.set(name, value.parse().ok()?).then_some(()));
+                        set.ok_or_else(header)?;
+                    }
+                    file.format.words.check().map_err(|_| header())?;
+                }
+                _ => {}
+            }
+        }
+        Ok(file)
+    }
+}

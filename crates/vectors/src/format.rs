@@ -1,0 +1,249 @@
+//! The formats of a unit: word lengths and what else its hardware is built for.
+
+use crate::expression::{ExpressionError, evaluate};
+use cube3_host::MachineSpec;
+use cube3_word::{Rounding, WordError, Words};
+
+/// Word lengths, and the sizes that a unit is built for. A name in an expression of a data sheet is one of these.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Format {
+    /// Word lengths and rounding.
+    pub words: Words,
+    /// Bits that the gradient keeps below its word, where its components are scaled.
+    pub kept_bits: u32,
+    /// Index bits of the table of reciprocal roots.
+    pub root_bits: u32,
+    /// Index bits of the table of powers.
+    pub power_bits: u32,
+    /// Bits of each coordinate on a face of the reflectance table.
+    pub reflectance_bits: u32,
+    /// Lights of a shading unit.
+    pub lights: u32,
+    /// Rows of the opacity table, over the gradient's magnitude.
+    pub rows: u32,
+    /// Classes of step lengths of the opacity table.
+    pub classes: u32,
+    /// Modules, lanes and leaves.
+    pub lanes: u32,
+    /// Voxels along x, y, z of the volume that the frame buffer addresses.
+    pub dims: [u32; 3],
+    /// Coefficients a, b, c of the skew.
+    pub skew: [i64; 3],
+    /// Whether a module's words lie in blocks.
+    pub blocks: bool,
+    /// Tokens that a channel holds.
+    pub capacity: u32,
+    /// Cycles from push to pop of a channel.
+    pub latency: u32,
+}
+
+impl Default for Format {
+    /// The default machine's words, with eight lanes so that vectors of whole beams stay short.
+    fn default() -> Format {
+        Format::of(&MachineSpec::default())
+    }
+}
+
+/// Why a format cannot be had.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FormatError {
+    /// Not two numbers.
+    #[error("the format \"{0}\" is not of the form 16.8: bits of a voxel, a point, bits of a weight")]
+    Form(String),
+    /// A word.
+    #[error(transparent)]
+    Word(#[from] WordError),
+}
+
+impl Format {
+    /// The formats of a machine; of its lanes, eight.
+    pub fn of(machine: &MachineSpec) -> Format {
+        Format {
+            words: machine.words,
+            kept_bits: 0,
+            root_bits: machine.abc.root_bits,
+            power_bits: machine.abc.power_bits,
+            reflectance_bits: machine.abc.reflectance_bits,
+            lights: 1,
+            rows: 1,
+            classes: 1,
+            lanes: 8,
+            dims: [16, 16, 16],
+            skew: machine.cfb.skew,
+            blocks: machine.cfb.layout == cube3_host::Layout::Blocks,
+            capacity: 4,
+            latency: 2,
+        }
+    }
+
+    /// With voxels and weights of other lengths, from a text like `16.8`. Words that are bound to the voxel's follow it: a gradient
+    /// holds a whole difference, a table's index no more than a sample.
+    ///
+    /// # Errors
+    /// A text of another form, a length that no unit has.
+    pub fn with_lengths(mut self, text: &str) -> Result<Format, FormatError> {
+        let form = || FormatError::Form(text.to_owned());
+        let (voxel, weight) = text.split_once('.').ok_or_else(form)?;
+        self.words.voxel_bits = voxel.parse().map_err(|_| form())?;
+        self.words.weight_bits = weight.parse().map_err(|_| form())?;
+        let Words { voxel_bits, sample_fraction_bits, table_bits, .. } = self.words;
+        let sample = voxel_bits.saturating_add(sample_fraction_bits);
+        self.words.gradient_bits = sample.saturating_add(1).min(24);
+        self.words.table_bits = table_bits.min(sample);
+        self.words.check()?;
+        Ok(self)
+    }
+
+    /// The value of a name in expressions.
+    pub fn value_of(&self, name: &str) -> Option<i128> {
+        let words = &self.words;
+        let value: i64 = match name {
+            "V" => words.voxel_bits.into(),
+            "F" => words.sample_fraction_bits.into(),
+            "M" => i64::from(cube3_word::unit_full(words.voxel_bits)) << words.sample_fraction_bits,
+            "S" => words.sample_bits().into(),
+            "W" => words.weight_bits.into(),
+            "K" => self.kept_bits.into(),
+            "G" => (words.gradient_bits + self.kept_bits).into(),
+            "D" => words.gradient_drop().into(),
+            "B" => words.normal_bits.into(),
+            "T" => words.table_bits.into(),
+            "R" => self.root_bits.into(),
+            "P" => self.power_bits.into(),
+            "Q" => self.reflectance_bits.into(),
+            "C" => words.colour_bits.into(),
+            "O" => words.opacity_bits.into(),
+            "A" => words.accumulator_bits.into(),
+            "N" => (words.accumulator_bits + 12).into(),
+            "LIGHTS" => self.lights.into(),
+            "ROWS" => self.rows.into(),
+            "CLASSES" => self.classes.into(),
+            "LANES" => self.lanes.into(),
+            "NX" => self.dims[0].into(),
+            "NY" => self.dims[1].into(),
+            "NZ" => self.dims[2].into(),
+            "CAPACITY" => self.capacity.into(),
+            "LATENCY" => self.latency.into(),
+            "NEAREST" => i64::from(words.rounding == Rounding::Nearest),
+            _ => return None,
+        };
+        Some(value.into())
+    }
+
+    /// The value of an expression of a data sheet.
+    ///
+    /// # Errors
+    /// What is no expression, or has no value in this format.
+    pub fn evaluate(&self, expression: &str) -> Result<i128, ExpressionError> {
+        evaluate(expression, &|name| self.value_of(name))
+    }
+
+    /// Sets what [`Format::settings`] names; whether there is such a name and the value fits it.
+    pub fn set(&mut self, name: &str, value: i64) -> bool {
+        let Format { words, .. } = self;
+        if let "skew_a" | "skew_b" | "skew_c" = name {
+            self.skew[usize::from(name.as_bytes()[5] - b'a')] = value;
+            return true;
+        }
+        let Ok(value) = u32::try_from(value) else {
+            return false;
+        };
+        let place = match name {
+            "voxel_bits" => &mut words.voxel_bits,
+            "weight_bits" => &mut words.weight_bits,
+            "sample_fraction_bits" => &mut words.sample_fraction_bits,
+            "gradient_bits" => &mut words.gradient_bits,
+            "kept_bits" => &mut self.kept_bits,
+            "normal_bits" => &mut words.normal_bits,
+            "table_bits" => &mut words.table_bits,
+            "colour_bits" => &mut words.colour_bits,
+            "opacity_bits" => &mut words.opacity_bits,
+            "accumulator_bits" => &mut words.accumulator_bits,
+            "root_bits" => &mut self.root_bits,
+            "power_bits" => &mut self.power_bits,
+            "reflectance_bits" => &mut self.reflectance_bits,
+            "lights" => &mut self.lights,
+            "rows" => &mut self.rows,
+            "classes" => &mut self.classes,
+            "lanes" | "leaves" => &mut self.lanes,
+            "nx" => &mut self.dims[0],
+            "ny" => &mut self.dims[1],
+            "nz" => &mut self.dims[2],
+            "capacity" => &mut self.capacity,
+            "latency" => &mut self.latency,
+            "nearest" => {
+                words.rounding = if value == 0 { Rounding::Truncate } else { Rounding::Nearest };
+                return value <= 1;
+            }
+            "blocks" => {
+                self.blocks = value == 1;
+                return value <= 1;
+            }
+            _ => return false,
+        };
+        *place = value;
+        true
+    }
+
+    /// Everything that a format sets, by the names of RTL parameters in lower case.
+    pub fn settings(&self) -> Vec<(&'static str, i64)> {
+        let words = &self.words;
+        vec![
+            ("voxel_bits", words.voxel_bits.into()),
+            ("weight_bits", words.weight_bits.into()),
+            ("sample_fraction_bits", words.sample_fraction_bits.into()),
+            ("gradient_bits", words.gradient_bits.into()),
+            ("kept_bits", self.kept_bits.into()),
+            ("normal_bits", words.normal_bits.into()),
+            ("table_bits", words.table_bits.into()),
+            ("colour_bits", words.colour_bits.into()),
+            ("opacity_bits", words.opacity_bits.into()),
+            ("accumulator_bits", words.accumulator_bits.into()),
+            ("nearest", i64::from(words.rounding == Rounding::Nearest)),
+            ("root_bits", self.root_bits.into()),
+            ("power_bits", self.power_bits.into()),
+            ("reflectance_bits", self.reflectance_bits.into()),
+            ("lights", self.lights.into()),
+            ("rows", self.rows.into()),
+            ("classes", self.classes.into()),
+            ("lanes", self.lanes.into()),
+            ("leaves", self.lanes.into()),
+            ("nx", self.dims[0].into()),
+            ("ny", self.dims[1].into()),
+            ("nz", self.dims[2].into()),
+            ("skew_a", self.skew[0]),
+            ("skew_b", self.skew[1]),
+            ("skew_c", self.skew[2]),
+            ("blocks", self.blocks.into()),
+            ("capacity", self.capacity.into()),
+            ("latency", self.latency.into()),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_setting_can_be_set() {
+        let mut format = Format::default();
+        for (i, (name, _)) in Format::default().settings().into_iter().enumerate() {
+            let value = if matches!(name, "nearest" | "blocks") { 0 } else { i as i64 + 3 };
+            assert!(format.set(name, value), "{name}");
+            assert!(format.settings().contains(&(name, value)), "{name}");
+        }
+        assert!(!format.set("no_such", 1) && !format.set("lanes", -1) && !format.set("nearest", 2));
+        assert!(format.set("skew_b", -4) && format.skew[1] == -4);
+    }
+
+    #[test]
+    fn a_format_of_two_lengths_sets_what_hangs_on_them() {
+        let format = Format::default().with_lengths("8.4").unwrap();
+        assert_eq!((format.words.voxel_bits, format.words.weight_bits), (8, 4));
+        assert_eq!((format.words.gradient_bits, format.words.table_bits), (9, 8));
+        assert!(matches!(Format::default().with_lengths("16"), Err(FormatError::Form(_))));
+        assert!(matches!(Format::default().with_lengths("17.8"), Err(FormatError::Word(_))));
+        assert!(Format::default().with_lengths("4294967295.8").is_err());
+    }
+}

@@ -1,0 +1,32 @@
+//! Data sheets of the machine's units, golden vectors made from them, and the comparison of a device under test.
+//!
+//! A [`Unit`] is a block of the machine: a [`Sheet`] (ports, tables, every wire with its range) and a way to evaluate its definition
+//! in the unit crates' `golden.rs`. From the sheet come vectors ([`Vectors`]), what they cover ([`Coverage`]), proofs of range
+//! ([`ranges`]), test benches and the pages of the book. A device under test answers vectors with [`Responses`], and
+//! [`compare`] says where it is wrong first.
+
+#![warn(missing_docs)]
+
+pub mod compare;
+mod coverage;
+mod expression;
+mod file;
+mod format;
+mod generate;
+mod markdown;
+pub mod ranges;
+mod sheet;
+pub mod testbench;
+mod unit;
+mod units;
+pub mod waveform;
+
+pub use compare::{Responses, ResponsesError};
+pub use coverage::{Coverage, Point};
+pub use expression::{ExpressionError, evaluate};
+pub use file::{FileError, VectorFile};
+pub use format::{Format, FormatError};
+pub use generate::Vectors;
+pub use sheet::{Field, Kind, Port, Sheet, Table, Wire, bits_of};
+pub use unit::{Reader, Recorder, Seen, Tables, Unit, word_formats};
+pub use units::units;

@@ -1,0 +1,157 @@
+//! Test benches in SystemVerilog, made from a sheet: they drive a module with a vector file and write what it answers.
+//!
+//! `+in=FILE` is the vector file, `+out=FILE` where answers go (none without it). Each line is also compared; the bench ends with the
+//! count of lines that differ. Tables are read from the folder in which the simulation runs.
+
+use crate::expression::ExpressionError;
+use crate::{Field, Format, Sheet};
+use std::fmt::Write;
+
+/// Words that a bench can hold.
+const MOST_WORDS: usize = 1 << 22;
+
+/// The text of a bench `<module>_tb` for a format.
+///
+/// # Errors
+/// An expression of the sheet without a value.
+pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
+    let fields = [Sheet::fields(&sheet.inputs, format)?, Sheet::fields(&sheet.outputs, format)?];
+    let [inputs, outputs] = &fields;
+    let (module, further) = sheet.rtl();
+    let counted = if sheet.clocked { "cycles" } else { "transactions" };
+    let widest = inputs.iter().chain(outputs).map(|field| field.bits).max().unwrap_or(1);
+    let (count_in, count) = (inputs.len(), inputs.len() + outputs.len());
+    let bits = |fields: &[Field], port: usize| -> u32 {
+        fields.iter().filter(|field| field.port == port).map(|field| field.bits).sum()
+    };
+    let mut t = String::new();
+    let _ = writeln!(
+        t,
+        "// Test bench of {module} for the vectors of the unit {}, made from its data sheet by",
+        sheet.name
+    );
+    let _ = writeln!(
+        t,
+        "// cube3 vectors --unit {} --testbench. +in=FILE: vectors; +out=FILE: where the answers go.",
+        sheet.name
+    );
+    let _ = writeln!(t, "`timescale 1ns / 1ps\n\nmodule {module}_tb;");
+    let _ = writeln!(t, "    localparam integer FIELDS = {count};\n    localparam integer WORDS = {MOST_WORDS};\n");
+    for (port, of) in sheet.inputs.iter().enumerate() {
+        let _ = writeln!(t, "    reg [{}:0] {};", bits(inputs, port) - 1, of.name);
+    }
+    for (port, of) in sheet.outputs.iter().enumerate() {
+        let width = bits(outputs, port) - 1;
+        let _ = writeln!(t, "    wire [{width}:0] {};\n    reg [{width}:0] expected_{};", of.name, of.name);
+    }
+    let _ = writeln!(t, "\n    reg [{}:0] words [0:WORDS-1];", widest - 1);
+    let _ = writeln!(t, "    reg [8*1024-1:0] path;\n    reg [8*65536-1:0] comment;");
+    let _ = writeln!(t, "    integer file, answers, got, lines, line, differ;");
+    if sheet.clocked {
+        let _ = writeln!(t, "    reg clk, rst;");
+    }
+    let mut parameters: Vec<String> = format
+        .settings()
+        .into_iter()
+        .filter(|(name, _)| sheet.parameters.contains(name))
+        .map(|(name, value)| format!(".{}({value})", name.to_uppercase()))
+        .collect();
+    if !further.is_empty() {
+        parameters.push(further.to_owned());
+    }
+    for table in &sheet.tables {
+        parameters.push(format!(".{}_FILE(\"{}.{}.hex\")", table.name.to_uppercase(), sheet.name, table.name));
+    }
+    let mut connections: Vec<String> = Vec::new();
+    if sheet.clocked {
+        connections.extend([".clk(clk)".into(), ".rst(rst)".into()]);
+    }
+    connections.extend(sheet.inputs.iter().chain(&sheet.outputs).map(|port| format!(".{0}({0})", port.name)));
+    let _ = writeln!(
+        t,
+        "\n    {module} #({}) dut (\n        {}\n    );",
+        parameters.join(", "),
+        connections.join(",\n        ")
+    );
+    let _ = writeln!(
+        t,
+        "
+    initial begin
+        if (!$value$plusargs(\"in=%s\", path)) begin
+            $display(\"{module}_tb: +in=FILE is missing: the vectors\");
+            $finish;
+        end
+        file = $fopen(path, \"r\");
+        lines = -1;
+        got = 1;
+        while (file != 0 && lines < 0 && got != 0) begin
+            got = $fgets(comment, file);
+            if ($sscanf(comment, \"// {counted} %d\", lines) != 1) lines = -1;
+        end
+        if (lines < 0 || lines * FIELDS > WORDS) begin
+            $display(\"{module}_tb: no vectors with at most %0d lines in %0s\", WORDS / FIELDS, path);
+            $finish;
+        end
+        $fclose(file);
+        $readmemh(path, words, 0, lines * FIELDS - 1);
+        answers = 0;
+        if ($value$plusargs(\"out=%s\", path)) answers = $fopen(path, \"w\");
+        differ = 0;"
+    );
+    if sheet.clocked {
+        let _ = writeln!(t, "        rst = 1; clk = 0; #1 clk = 1; #1 clk = 0; rst = 0;");
+    }
+    let _ = writeln!(t, "        for (line = 0; line < lines; line = line + 1) begin");
+    let mut place = |prefix: &str, fields: &[Field], ports: &[crate::Port], first: usize| {
+        let mut low = 0;
+        for (i, field) in fields.iter().enumerate() {
+            if i > 0 && fields[i - 1].port != field.port {
+                low = 0;
+            }
+            let name = ports[field.port].name;
+            let high = field.bits - 1;
+            let _ = writeln!(
+                t,
+                "            {prefix}{name}[{low} +: {}] = words[line * FIELDS + {}][{high}:0];",
+                field.bits,
+                first + i
+            );
+            low += field.bits;
+        }
+    };
+    place("", inputs, &sheet.inputs, 0);
+    place("expected_", outputs, &sheet.outputs, count_in);
+    let _ = writeln!(t, "            #1;");
+    let mut slices = Vec::new();
+    let mut low = 0;
+    for (i, field) in outputs.iter().enumerate() {
+        if i > 0 && outputs[i - 1].port != field.port {
+            low = 0;
+        }
+        slices.push(format!("{}[{low} +: {}]", sheet.outputs[field.port].name, field.bits));
+        low += field.bits;
+    }
+    let pattern = vec!["%h"; slices.len()].join(" ");
+    let _ = writeln!(
+        t,
+        "            if (answers != 0) $fwrite(answers, \"{pattern}\\n\",\n                {});",
+        slices.join(",\n                ")
+    );
+    let names = |prefix: &str| {
+        let names: Vec<String> = sheet.outputs.iter().map(|port| format!("{prefix}{}", port.name)).collect();
+        names.join(", ")
+    };
+    let _ = writeln!(t, "            if ({{{}}} !== {{{}}}) begin", names(""), names("expected_"));
+    let _ = writeln!(t, "                if (differ == 0) $display(\"{module}: line %0d differs first\", line);");
+    let _ = writeln!(t, "                differ = differ + 1;\n            end");
+    if sheet.clocked {
+        let _ = writeln!(t, "            #1 clk = 1; #1 clk = 0;");
+    }
+    let _ = writeln!(t, "        end");
+    let _ = writeln!(t, "        if (answers != 0) $fclose(answers);");
+    let _ = writeln!(
+        t,
+        "        $display(\"{module}: %0d of %0d lines differ\", differ, lines);\n        $finish;\n    end\nendmodule"
+    );
+    Ok(t)
+}

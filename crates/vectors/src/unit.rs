@@ -1,0 +1,202 @@
+//! A unit whose arithmetic can be evaluated on the fields of a line.
+
+use crate::{Format, Sheet};
+use cube3_word::Probe;
+
+/// The tables of a unit, in the order of its sheet.
+pub type Tables = Vec<Vec<i128>>;
+
+/// What a wire carried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Seen {
+    /// Part, empty for the unit itself.
+    pub part: &'static str,
+    /// Name.
+    pub name: &'static str,
+    /// Which of its row.
+    pub place: usize,
+    /// Value.
+    pub value: i128,
+}
+
+/// Writes down what wires carry.
+#[derive(Clone, Debug, Default)]
+pub struct Recorder {
+    part: Option<(&'static str, usize)>,
+    seen: Vec<Seen>,
+}
+
+impl Recorder {
+    /// What has been seen since the last time.
+    pub fn take(&mut self) -> Vec<Seen> {
+        std::mem::take(&mut self.seen)
+    }
+
+    /// What has been seen.
+    pub fn seen(&self) -> &[Seen] {
+        &self.seen
+    }
+
+    /// Forgets what has been seen.
+    pub fn clear(&mut self) {
+        self.seen.clear();
+    }
+}
+
+impl Probe for Recorder {
+    /// Wires of a part are in a row by the part's place, or where the part is there once, by their own.
+    fn wire(&mut self, name: &'static str, place: usize, value: i128) {
+        let (part, of_part) = self.part.unwrap_or(("", 0));
+        self.seen.push(Seen { part, name, place: of_part + place, value });
+    }
+
+    fn within<R>(&mut self, part: &'static str, place: usize, work: impl FnOnce(&mut Self) -> R) -> R {
+        let outer = self.part.replace((part, place));
+        let result = work(self);
+        self.part = outer;
+        result
+    }
+}
+
+/// A block of the machine with a sheet and a definition.
+pub trait Unit: Sync {
+    /// The data sheet.
+    fn sheet(&self) -> Sheet;
+
+    /// Evaluates the definition on the fields of a line, and shows the probe its wires. The fields of the result are the outputs.
+    fn evaluate(&self, format: &Format, tables: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128>;
+
+    /// The contents of the tables.
+    fn tables(&self, _format: &Format) -> Tables {
+        Tables::new()
+    }
+
+    /// Makes a line legal whose fields are legal one by one: what the unit before would never send together.
+    fn legalise(&self, _format: &Format, _inputs: &mut [i128]) {}
+
+    /// Lines that the sheet alone does not lead to.
+    fn corners(&self, _format: &Format) -> Vec<Vec<i128>> {
+        Vec::new()
+    }
+
+    /// Formats in which the unit is held against its lanes and its wires against their ranges, beside the default.
+    fn formats(&self) -> Vec<Format> {
+        word_formats()
+    }
+
+    /// The same by the code that runs, where the unit has such: the outputs of each line.
+    fn lanes(&self, _format: &Format, _tables: &Tables, _lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+        None
+    }
+
+    /// A run of lines, for a unit with a memory; outputs of each line.
+    fn run(&self, format: &Format, tables: &Tables, lines: &[Vec<i128>]) -> Vec<Vec<i128>> {
+        let mut recorder = Recorder::default();
+        let line = |inputs: &Vec<i128>| {
+            recorder.clear();
+            self.evaluate(format, tables, inputs, &mut recorder)
+        };
+        lines.iter().map(line).collect()
+    }
+}
+
+/// Narrow, default and wide words, rounded and truncated.
+pub fn word_formats() -> Vec<Format> {
+    use cube3_word::{Rounding, Words};
+    let base = Words::default();
+    let narrow = Words {
+        voxel_bits: 4,
+        weight_bits: 2,
+        gradient_bits: 4,
+        normal_bits: 4,
+        table_bits: 3,
+        colour_bits: 3,
+        opacity_bits: 2,
+        accumulator_bits: 4,
+        ..base
+    };
+    let least = Words {
+        voxel_bits: 1,
+        weight_bits: 0,
+        gradient_bits: 2,
+        normal_bits: 4,
+        table_bits: 1,
+        colour_bits: 1,
+        opacity_bits: 1,
+        accumulator_bits: 1,
+        ..base
+    };
+    let wide = Words {
+        weight_bits: 12,
+        sample_fraction_bits: 8,
+        gradient_bits: 24,
+        normal_bits: 15,
+        table_bits: 16,
+        colour_bits: 16,
+        opacity_bits: 16,
+        accumulator_bits: 32,
+        ..base
+    };
+    let volumepro = Words { voxel_bits: 12, gradient_bits: 8, colour_bits: 8, accumulator_bits: 12, ..base };
+    let words = [base, narrow, least, wide, volumepro];
+    let format = |words: Words| {
+        let mut format = Format { words, ..Format::default() };
+        // A root table holds no more index bits than a square has.
+        format.root_bits = format.root_bits.min(2 * words.normal_bits - 3);
+        format.power_bits = format.power_bits.min(words.normal_bits - 1);
+        format
+    };
+    [Rounding::Nearest, Rounding::Truncate]
+        .into_iter()
+        .flat_map(|rounding| words.map(|words| format(Words { rounding, ..words })))
+        .collect()
+}
+
+/// The fields of a line one after another.
+#[derive(Debug)]
+pub struct Reader<'a> {
+    rest: &'a [i128],
+}
+
+impl<'a> Reader<'a> {
+    /// From the first field on. A line has all the fields of its sheet: what is missing reads as 0.
+    pub fn new(fields: &'a [i128]) -> Reader<'a> {
+        Reader { rest: fields }
+    }
+
+    /// The next field.
+    pub fn next(&mut self) -> i128 {
+        match self.rest.split_first() {
+            Some((first, rest)) => {
+                self.rest = rest;
+                *first
+            }
+            None => 0,
+        }
+    }
+
+    /// The next field as an unsigned word.
+    pub fn word(&mut self) -> u32 {
+        self.next() as u32
+    }
+
+    /// The next field as a signed word.
+    pub fn signed(&mut self) -> i32 {
+        self.next() as i32
+    }
+
+    /// The next field as a flag.
+    pub fn flag(&mut self) -> bool {
+        self.next() != 0
+    }
+
+    /// The next N unsigned words.
+    pub fn words<const N: usize>(&mut self) -> [u32; N] {
+        std::array::from_fn(|_| self.word())
+    }
+
+    /// The next N signed words.
+    pub fn signed_words<const N: usize>(&mut self) -> [i32; N] {
+        std::array::from_fn(|_| self.signed())
+    }
+}

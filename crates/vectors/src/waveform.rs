@@ -1,0 +1,122 @@
+//! The lines around a mismatch as an FST waveform: a line is ten time units.
+//!
+//! ```text
+//!   <unit>.line, .differs
+//!   <unit>.in.<port>        fields that drive the unit
+//!   <unit>.wires.<wire>     what the definition's wires carry
+//!   <unit>.expected.<port>, <unit>.got.<port>
+//! ```
+
+use crate::compare::Responses;
+use crate::{Field, Recorder, Unit, Vectors, bits_of};
+use fst_writer::{
+    FstFileType, FstHeaderWriter, FstInfo, FstScopeType, FstSignalId, FstSignalType, FstVarDirection, FstVarType,
+    FstWriteError,
+};
+use std::io::Cursor;
+use std::ops::Range;
+
+type Header = FstHeaderWriter<Cursor<Vec<u8>>>;
+
+/// Time units of a line.
+const LINE: u64 = 10;
+
+fn digits(bits: u128, width: u32) -> Vec<u8> {
+    (0..width).rev().map(|bit| if bits >> bit & 1 == 1 { b'1' } else { b'0' }).collect()
+}
+
+fn unknown(width: u32) -> Vec<u8> {
+    vec![b'x'; width as usize]
+}
+
+fn variable(header: &mut Header, name: &str, bits: u32) -> Result<FstSignalId, FstWriteError> {
+    header.var(name, FstSignalType::bit_vec(bits), FstVarType::Wire, FstVarDirection::Implicit, None)
+}
+
+fn scope(header: &mut Header, name: &str) -> Result<(), FstWriteError> {
+    header.scope(name, "", FstScopeType::Module)
+}
+
+fn variables(header: &mut Header, name: &str, fields: &[Field]) -> Result<Vec<FstSignalId>, FstWriteError> {
+    scope(header, name)?;
+    let signals = fields.iter().map(|field| variable(header, &field.name, field.bits)).collect();
+    header.up_scope()?;
+    signals
+}
+
+/// The waveform of some lines.
+///
+/// # Errors
+/// What the writer of the format says.
+pub fn write(
+    unit: &dyn Unit,
+    vectors: &Vectors,
+    responses: &Responses,
+    lines: Range<usize>,
+) -> Result<Vec<u8>, FstWriteError> {
+    let info = FstInfo {
+        start_time: lines.start as u64 * LINE,
+        timescale_exponent: -9,
+        version: format!("cube3 {}", env!("CARGO_PKG_VERSION")),
+        date: String::new(),
+        file_type: FstFileType::Verilog,
+    };
+    let sheet = &vectors.sheet;
+    let mut header = FstHeaderWriter::write_to_mem(&info)?;
+    scope(&mut header, sheet.name)?;
+    let number = variable(&mut header, "line", 32)?;
+    let differs = variable(&mut header, "differs", 1)?;
+    let inputs = variables(&mut header, "in", &vectors.fields[0])?;
+    scope(&mut header, "wires")?;
+    let mut wires = Vec::new();
+    for wire in &sheet.wires {
+        let count = vectors.format.evaluate(wire.count).unwrap_or(1).max(1) as usize;
+        let ends = [0, 1].map(|end| vectors.format.evaluate(wire.range[end]).unwrap_or(0));
+        let bits = bits_of(ends);
+        let mut row = Vec::new();
+        for place in 0..count {
+            let name = if count == 1 { wire.path() } else { format!("{}[{place}]", wire.path()) };
+            row.push(variable(&mut header, &name, bits)?);
+        }
+        wires.push((row, bits));
+    }
+    header.up_scope()?;
+    let expected = variables(&mut header, "expected", &vectors.fields[1])?;
+    let got = variables(&mut header, "got", &vectors.fields[1])?;
+    header.up_scope()?;
+    let mut body = header.finish()?;
+    let mut recorder = Recorder::default();
+    for line in lines.clone() {
+        body.time_change(line as u64 * LINE)?;
+        body.signal_change(number, &digits(line as u128, 32))?;
+        for ((field, value), signal) in vectors.fields[0].iter().zip(&vectors.inputs[line]).zip(&inputs) {
+            body.signal_change(*signal, &digits(*value as u128, field.bits))?;
+        }
+        for (row, bits) in &wires {
+            for signal in row {
+                body.signal_change(*signal, &unknown(*bits))?;
+            }
+        }
+        if !sheet.clocked {
+            recorder.clear();
+            unit.evaluate(&vectors.format, &vectors.tables, &vectors.inputs[line], &mut recorder);
+            for seen in recorder.seen() {
+                let found = sheet.wire(seen.part, seen.name).map(|wire| &wires[wire]);
+                if let Some((signal, bits)) = found.and_then(|(row, bits)| Some((row.get(seen.place)?, *bits))) {
+                    body.signal_change(*signal, &digits(seen.value as u128, bits))?;
+                }
+            }
+        }
+        let mut wrong = false;
+        for (i, field) in vectors.fields[1].iter().enumerate() {
+            let right = digits(vectors.outputs[line][i] as u128, field.bits);
+            let answer = responses.lines[line][i].bits.map_or(unknown(field.bits), |bits| digits(bits, field.bits));
+            wrong |= right != answer;
+            body.signal_change(expected[i], &right)?;
+            body.signal_change(got[i], &answer)?;
+        }
+        body.signal_change(differs, if wrong { b"1" } else { b"0" })?;
+    }
+    body.time_change(lines.end as u64 * LINE)?;
+    Ok(body.finish()?.into_inner())
+}
