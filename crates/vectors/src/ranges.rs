@@ -48,14 +48,17 @@ pub struct Ranges {
     pub lines: u64,
 }
 
+/// The value of a wire, and the line that gave it.
+type Extreme = (i128, Vec<i128>);
+
 struct Search<'a> {
     unit: &'a dyn Unit,
     format: &'a Format,
     sheet: &'a Sheet,
     tables: Tables,
     recorder: Recorder,
-    /// For each wire and end: the value and the line that gave it.
-    best: Vec<[Option<(i128, Vec<i128>)>; 2]>,
+    /// For each wire and end.
+    best: Vec<[Option<Extreme>; 2]>,
     lines: u64,
 }
 

@@ -165,7 +165,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The next field.
-    pub fn next(&mut self) -> i128 {
+    pub fn field(&mut self) -> i128 {
         match self.rest.split_first() {
             Some((first, rest)) => {
                 self.rest = rest;
@@ -177,17 +177,17 @@ impl<'a> Reader<'a> {
 
     /// The next field as an unsigned word.
     pub fn word(&mut self) -> u32 {
-        self.next() as u32
+        self.field() as u32
     }
 
     /// The next field as a signed word.
     pub fn signed(&mut self) -> i32 {
-        self.next() as i32
+        self.field() as i32
     }
 
     /// The next field as a flag.
     pub fn flag(&mut self) -> bool {
-        self.next() != 0
+        self.field() != 0
     }
 
     /// The next N unsigned words.
