@@ -53,6 +53,18 @@ pub enum FormatError {
     /// A word.
     #[error(transparent)]
     Word(#[from] WordError),
+    /// A size.
+    #[error("{name} = {value} is outside {low} to {high}")]
+    Size {
+        /// Its name.
+        name: &'static str,
+        /// The value.
+        value: u32,
+        /// The smallest.
+        low: u32,
+        /// The largest.
+        high: u32,
+    },
 }
 
 impl Format {
@@ -92,6 +104,34 @@ impl Format {
         self.words.table_bits = table_bits.min(sample);
         self.words.check()?;
         Ok(self)
+    }
+
+    /// Whether hardware can be built for the format.
+    ///
+    /// # Errors
+    /// The first length or size that no unit has.
+    pub fn check(&self) -> Result<(), FormatError> {
+        self.words.check()?;
+        let index = self.words.normal_bits;
+        let sizes = [
+            ("kept_bits", self.kept_bits, 0, 31 - self.words.gradient_bits.min(31)),
+            ("root_bits", self.root_bits, 1, 2 * index - 3),
+            ("power_bits", self.power_bits, 1, index - 1),
+            ("reflectance_bits", self.reflectance_bits, 1, 8),
+            ("lights", self.lights, 1, 8),
+            ("rows", self.rows, 1, 256),
+            ("classes", self.classes, 1, 16),
+            ("lanes", self.lanes, 1, 64),
+            ("nx", self.dims[0], 1, 4096),
+            ("ny", self.dims[1], 1, 4096),
+            ("nz", self.dims[2], 1, 4096),
+            ("capacity", self.capacity, 1, 255),
+            ("latency", self.latency, 1, 255),
+        ];
+        let size = |&(name, value, low, high): &(&'static str, u32, u32, u32)| {
+            if (low..=high).contains(&value) { Ok(()) } else { Err(FormatError::Size { name, value, low, high }) }
+        };
+        sizes.iter().try_for_each(size)
     }
 
     /// The value of a name in expressions.
