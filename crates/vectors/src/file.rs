@@ -171,12 +171,14 @@ impl VectorFile {
                 Some(("unit", name)) => file.unit = name.trim().into(),
                 Some(("seed", seed)) => file.seed = seed.trim().parse().map_err(|_| header())?,
                 Some(("format", settings)) => {
+                    let mut names = Vec::new();
                     for setting in settings.split_whitespace() {
                         let set = setting
                             .split_once('=')
                             .and_then(|(name, value)| file.format.set(name, value.parse().ok()?).then_some(()));
                         set.ok_or_else(header)?;
                     }
+                    file.format.fit(&names);
                     file.format.check()?;
                 }
                 _ => {}

@@ -88,6 +88,12 @@ impl Format {
         }
     }
 
+    /// The default words with small tables: for sets of vectors that are kept.
+    pub fn reference() -> Format {
+        let words = Words { table_bits: 6, ..Words::default() };
+        Format { words, root_bits: 4, power_bits: 5, reflectance_bits: 2, ..Format::default() }
+    }
+
     /// With voxels and weights of other lengths, from a text like `16.8`. Words that are bound to the voxel's follow it: a gradient
     /// holds a whole difference, a table's index no more than a sample.
     ///
@@ -98,12 +104,29 @@ impl Format {
         let (voxel, weight) = text.split_once('.').ok_or_else(form)?;
         self.words.voxel_bits = voxel.parse().map_err(|_| form())?;
         self.words.weight_bits = weight.parse().map_err(|_| form())?;
-        let Words { voxel_bits, sample_fraction_bits, table_bits, .. } = self.words;
-        let sample = voxel_bits.saturating_add(sample_fraction_bits);
-        self.words.gradient_bits = sample.saturating_add(1).min(24);
-        self.words.table_bits = table_bits.min(sample);
+        self.words.gradient_bits =
+            self.words.voxel_bits.saturating_add(self.words.sample_fraction_bits).saturating_add(1);
+        self.fit(&[]);
         self.words.check()?;
         Ok(self)
+    }
+
+    /// Shortens words that others bind and that were not set by name: a gradient holds a whole difference at most, tables have no more
+    /// index bits than what they are indexed with.
+    pub fn fit(&mut self, set: &[&str]) {
+        let Format { words, root_bits, power_bits, .. } = self;
+        let sample = words.voxel_bits.saturating_add(words.sample_fraction_bits);
+        let normal = words.normal_bits;
+        for (name, bits, most) in [
+            ("gradient_bits", &mut words.gradient_bits, sample.saturating_add(1).min(24)),
+            ("table_bits", &mut words.table_bits, sample.min(16)),
+            ("root_bits", root_bits, normal.saturating_mul(2).saturating_sub(3)),
+            ("power_bits", power_bits, normal.saturating_sub(1)),
+        ] {
+            if !set.contains(&name) {
+                *bits = (*bits).min(most);
+            }
+        }
     }
 
     /// Whether hardware can be built for the format.

@@ -5,7 +5,7 @@ use crate::inputs;
 use crate::output::write_whole;
 use crate::problem::{Outcome, Problem};
 use clap::Args;
-use cube3_vectors::{Coverage, Format, Unit, Vectors, testbench, units};
+use cube3_vectors::{Coverage, Format, Unit, Vectors, pages, testbench, units};
 use std::path::{Path, PathBuf};
 
 /// Most lines of a file: a test bench reads them into memory.
@@ -44,7 +44,9 @@ impl UnitArguments {
         if let Some(lengths) = &self.format {
             format = format.with_lengths(lengths).map_err(|error| Problem::new(format!("--format: {error}")))?;
         }
+        let mut names = Vec::new();
         for setting in &self.set {
+            names.extend(setting.split('=').next().map(str::trim));
             let set = setting.split_once('=').and_then(|(name, value)| Some((name, value.trim().parse().ok()?)));
             if !set.is_some_and(|(name, value)| format.set(name.trim(), value)) {
                 let names: Vec<&str> = format.settings().into_iter().map(|(name, _)| name).collect();
@@ -54,6 +56,7 @@ impl UnitArguments {
                 )));
             }
         }
+        format.fit(&names);
         format.check().map_err(|error| Problem::new(format!("the format: {error}")))?;
         Ok(format)
     }
@@ -107,12 +110,18 @@ pub struct VectorsArguments {
     /// Every unit.
     #[arg(long, conflicts_with = "unit")]
     all: bool,
+    /// Every unit in the default words with small tables, directed lines only: the sets that are kept in `traces/vectors`.
+    #[arg(long, conflicts_with_all = ["unit", "format", "set", "machine"])]
+    reference: bool,
     /// Name the units and stop.
     #[arg(long)]
     list: bool,
     /// Print the data sheet in this format and stop.
     #[arg(long)]
     sheet: bool,
+    /// Write the data sheets of all units, as pages of the book, into this folder and stop.
+    #[arg(long, value_name = "DIR")]
+    pages: Option<PathBuf>,
     /// Also write a test bench in SystemVerilog beside the vectors.
     #[arg(long)]
     testbench: bool,
@@ -131,8 +140,13 @@ impl VectorsArguments {
             let line = |unit: &Box<dyn Unit>| format!("{:<14} {}\n", unit.sheet().name, unit.sheet().title);
             return print(&units().iter().map(line).collect::<String>());
         }
-        let format = self.unit.format()?;
-        let count = self.unit.lines()?;
+        if let Some(folder) = &self.pages {
+            return pages::pages()?
+                .iter()
+                .try_for_each(|page| write_whole(&folder.join(page.file), page.text.as_bytes()));
+        }
+        let (format, count) =
+            if self.reference { (Format::reference(), 0) } else { (self.unit.format()?, self.unit.lines()?) };
         let asked = self.unit.units()?;
         if self.sheet {
             let sheets: Result<Vec<String>, _> = asked.iter().map(|unit| unit.sheet().markdown(&format)).collect();
