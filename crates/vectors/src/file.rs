@@ -173,10 +173,12 @@ impl VectorFile {
                 Some(("format", settings)) => {
                     let mut names = Vec::new();
                     for setting in settings.split_whitespace() {
-                        let set = setting
-                            .split_once('=')
-                            .and_then(|(name, value)| file.format.set(name, value.parse().ok()?).then_some(()));
-                        set.ok_or_else(header)?;
+                        let (name, value) = setting.split_once('=').ok_or_else(header)?;
+                        let value = value.parse().map_err(|_| header())?;
+                        if !file.format.set(name, value) {
+                            return Err(header());
+                        }
+                        names.push(name);
                     }
                     file.format.fit(&names);
                     file.format.check()?;

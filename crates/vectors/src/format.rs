@@ -185,12 +185,20 @@ impl Format {
             "NX" => self.dims[0].into(),
             "NY" => self.dims[1].into(),
             "NZ" => self.dims[2].into(),
+            "SKEW_LOW" => self.skew_sum(i64::min),
+            "SKEW_HIGH" => self.skew_sum(i64::max),
+            "TERM" => self.dims.iter().map(|&n| i64::from(n)).product::<i64>() * i64::from(self.lanes).pow(3),
             "CAPACITY" => self.capacity.into(),
             "LATENCY" => self.latency.into(),
             "NEAREST" => i64::from(words.rounding == Rounding::Nearest),
             _ => return None,
         };
         Some(value.into())
+    }
+
+    /// Lowest or highest sum of the skew over the volume.
+    fn skew_sum(&self, end: fn(i64, i64) -> i64) -> i64 {
+        self.skew.iter().zip(self.dims).map(|(&c, n)| end(0, c * (i64::from(n) - 1))).sum()
     }
 
     /// The value of an expression of a data sheet.
