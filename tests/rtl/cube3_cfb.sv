@@ -47,12 +47,15 @@ module cube3_cfb #(
 
     // Words that a module holds of each row of LANES voxels.
     localparam integer DEPTH = gcd(A, LANES);
-    // Words of a module along x, y, z.
+    // Lanes from a word of a module's row to the next.
+    localparam integer SPREAD = LANES / DEPTH;
+    // Words of a module along x; along y and z they are the volume's.
     localparam integer EX = (NX + LANES - 1) / LANES * DEPTH;
-    // A block's words along x, y, z, and the blocks along x and y.
+    // A block's words along x, y, z and in all, and the blocks along x and y.
     localparam integer BX = smaller(EX, 8);
     localparam integer BY = smaller(NY, 8);
     localparam integer BZ = smaller(NZ, 8);
+    localparam integer BLOCK = BX * BY * BZ;
     localparam integer CX = (EX + BX - 1) / BX;
     localparam integer CY = (NY + BY - 1) / BY;
 
@@ -64,13 +67,13 @@ module cube3_cfb #(
     assign \module  = 12'(sum % 36'(LANES));
 
     // Which of its module's words of a row the voxel is.
-    wire [35:0] word = wide_x / 36'(LANES) * 36'(DEPTH) + wide_x % 36'(LANES) / 36'(LANES / DEPTH);
+    wire [35:0] word = wide_x / 36'(LANES) * 36'(DEPTH) + wide_x % 36'(LANES) / 36'(SPREAD);
 
     generate
         if (BLOCKS != 0) begin : blocks
             wire [35:0] block = word / 36'(BX) + 36'(CX) * (wide_y / 36'(BY) + 36'(CY) * (wide_z / 36'(BZ)));
             wire [35:0] inner = word % 36'(BX) + 36'(BX) * (wide_y % 36'(BY) + 36'(BY) * (wide_z % 36'(BZ)));
-            assign address = block * 36'(BX * BY * BZ) + inner;
+            assign address = block * 36'(BLOCK) + inner;
         end else begin : rows
             assign address = word + 36'(EX) * (wide_y + 36'(NY) * wide_z);
         end
