@@ -17,8 +17,10 @@ module cube3_cfb #(
     input  wire [11:0] x,
     input  wire [11:0] y,
     input  wire [11:0] z,
-    // A keyword of SystemVerilog, so the name is escaped.
+    // A keyword of SystemVerilog, so the name is escaped; Verilator renames it in C++.
+    // verilator lint_off SYMRSVDWORD
     output wire [11:0] \module ,
+    // verilator lint_on SYMRSVDWORD
     output wire [35:0] address
 );
     // Coefficients from 0 to LANES - 1 give the same modules, and sums that are not negative.
