@@ -40,8 +40,9 @@ fn counts(multipliers: u64, adders: u64, comparators: u64) -> OperatorCounts {
     OperatorCounts { multipliers, adders, comparators, dividers: 0 }
 }
 
-/// Operators of each part.
-fn operators(machine: &MachineSpec, frames: &[FrameSetup]) -> Vec<OperatorsReport> {
+/// Operators of each part of a machine that renders `frames`, which hold how many lights there are and which bits of the scaled gradients
+/// are kept; without any, one light and none.
+pub fn operators(machine: &MachineSpec, frames: &[FrameSetup]) -> Vec<OperatorsReport> {
     // The adder that rounds a product to nearest.
     let round = u64::from(machine.words.rounding == Rounding::Nearest);
     let lanes = machine.lanes as u64;
