@@ -17,12 +17,13 @@ use std::process::Command;
 
 /// Cells of a flattened module, by type.
 fn cells(yosys: &Path, module: &str, parameters: &Parameters) -> BTreeMap<String, u64> {
-    let set: String = parameters.iter().map(|(name, value)| format!(" -chparam {name} {value}")).collect();
+    let set: String =
+        parameters.iter().map(|(name, value)| format!("chparam -set {name} {value} {module}; ")).collect();
     let folder = tempfile::tempdir().unwrap();
     let found = folder.path().join("stat.json");
     let sources: String = rtl::modules().iter().map(|name| format!(" {name}.sv")).collect();
     let script = format!(
-        "read_verilog -sv{sources}; hierarchy -check -top {module}{set}; proc -noopt; flatten; opt_clean; check -assert; \
+        "read_verilog -sv{sources}; {set}hierarchy -check -top {module}; proc -noopt; flatten; opt_clean; check -assert; \
          tee -q -o {} stat -json",
         found.display()
     );
@@ -141,13 +142,18 @@ const METHODS: [(GradientMethod, i64); 7] = [
 #[test]
 fn gradients_have_the_operators_of_the_table() {
     let Some(yosys) = rtl::require("yosys") else { return };
-    let cases: Vec<_> = machines().into_iter().flat_map(|machine| METHODS.map(|method| (machine.clone(), method))).collect();
+    let cases: Vec<_> =
+        machines().into_iter().flat_map(|machine| METHODS.map(|method| (machine.clone(), method))).collect();
     cases.par_iter().for_each(|(machine, (gradient, method))| {
         let machine = MachineSpec { abc: Abc { gradient: *gradient, ..machine.abc.clone() }, ..machine.clone() };
         let part = |name| row(&machine, &[], name);
         let unscaled = part("abc: gradient") + part("abc: gradient word");
         let scale = part("abc: gradient scale");
-        assert_eq!(scale == OperatorCounts::default(), *gradient == GradientMethod::Ten, "10 has no lengths to even out");
+        assert_eq!(
+            scale == OperatorCounts::default(),
+            *gradient == GradientMethod::Ten,
+            "10 has no lengths to even out"
+        );
         for (factors, expected) in [(0, unscaled), (1, unscaled + scale)] {
             let mut set = parameters(&machine, GRADIENT);
             set.extend([("METHOD", *method), ("FACTORS", factors)]);
@@ -186,11 +192,7 @@ fn scaled_gradients_round_the_bits_that_a_frame_does_not_keep() {
 type Unit = (&'static str, &'static [&'static str], &'static [&'static str]);
 
 const UNITS: [Unit; 8] = [
-    (
-        "cube3_normalise",
-        &["GRADIENT_BITS", "NORMAL_BITS", "ROOT_BITS"],
-        &["abc: normaliser", "abc: magnitude"],
-    ),
+    ("cube3_normalise", &["GRADIENT_BITS", "NORMAL_BITS", "ROOT_BITS"], &["abc: normaliser", "abc: magnitude"]),
     ("cube3_light", &["NORMAL_BITS", "COLOUR_BITS", "POWER_BITS", "NEAREST"], &["abc: a light"]),
     ("cube3_reflectance", &["GRADIENT_BITS", "COLOUR_BITS", "REFLECTANCE_BITS"], &["abc: direction"]),
     ("cube3_lit", &["COLOUR_BITS", "NEAREST"], &["abc: lit colour"]),
@@ -260,7 +262,6 @@ fn what_goes_along_with_the_scan_is_outside_of_the_modules() {
     }
 }
 
-/// Addressing by powers of two is wiring: of a machine of eight lanes nothing is divided.
 #[test]
 fn only_the_channel_has_state_and_no_module_a_latch() {
     let Some(yosys) = rtl::require("yosys") else { return };
