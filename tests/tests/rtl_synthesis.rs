@@ -145,7 +145,7 @@ fn gradients_have_the_operators_of_the_table() {
     let cases: Vec<_> =
         machines().into_iter().flat_map(|machine| METHODS.map(|method| (machine.clone(), method))).collect();
     cases.par_iter().for_each(|(machine, (gradient, method))| {
-        let machine = MachineSpec { abc: Abc { gradient: *gradient, ..machine.abc.clone() }, ..machine.clone() };
+        let machine = MachineSpec { abc: Abc { gradient: *gradient, ..machine.abc }, ..machine.clone() };
         let part = |name| row(&machine, &[], name);
         let unscaled = part("abc: gradient") + part("abc: gradient word");
         let scale = part("abc: gradient scale");
@@ -219,7 +219,7 @@ fn units_have_the_operators_of_the_table() {
             "cube3_reflectance" => ShadingUnit::ReflectanceTable,
             _ => ShadingUnit::Phong,
         };
-        let machine = MachineSpec { abc: Abc { shading, ..machine.abc.clone() }, ..machine.clone() };
+        let machine = MachineSpec { abc: Abc { shading, ..machine.abc }, ..machine.clone() };
         let expected = parts.iter().map(|part| row(&machine, &[], part)).sum();
         let set = parameters(&machine, names);
         assert_eq!(synthesised(&yosys, module, &set), expected, "{module} {set:?}");
