@@ -2,7 +2,9 @@
 
 mod bench;
 mod run;
+mod verify;
 mod volume;
+mod words;
 
 use crate::problem::Outcome;
 use clap::{Parser, Subcommand};
@@ -23,6 +25,8 @@ enum Command {
     Run(Box<run::RunArguments>),
     /// Look at, convert and make volumes.
     Volume(volume::VolumeArguments),
+    /// The machine against its specification: the study of word lengths.
+    Verify(Box<verify::VerifyArguments>),
     /// Speed, as ratios and as fractions of the hardware's limit.
     Bench(bench::BenchArguments),
 }
@@ -37,6 +41,7 @@ impl Arguments {
             None => run::RunArguments::defaults().execute(),
             Some(Command::Run(arguments)) => arguments.execute(),
             Some(Command::Volume(arguments)) => arguments.execute(),
+            Some(Command::Verify(arguments)) => arguments.execute(),
             Some(Command::Bench(arguments)) => arguments.execute(),
         }
     }

@@ -168,7 +168,7 @@ enum AcquisitionArgument {
     DoubleBuffer,
 }
 
-fn gradient(name: &str) -> Result<GradientMethod, String> {
+pub(super) fn gradient(name: &str) -> Result<GradientMethod, String> {
     let all = GradientMethod::ALL;
     let names = || all.map(|(_, name)| name).join(", ");
     all.iter()
