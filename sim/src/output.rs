@@ -103,7 +103,7 @@ fn failed(path: &Path, error: std::io::Error) -> Problem {
 }
 
 /// Removes a file, if it is there.
-fn remove(path: &Path) -> Outcome<()> {
+pub(crate) fn remove(path: &Path) -> Outcome<()> {
     match std::fs::remove_file(path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(failed(path, error)),
         _ => Ok(()),

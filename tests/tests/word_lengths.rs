@@ -2,7 +2,7 @@
 
 use cube3::inputs::{self, LoadedVolume};
 use cube3::run::{Reference, RunOptions, Runs, run_frame};
-use cube3::words_study::picture::{LEVELS, SceneCase};
+use cube3::words_study::picture::{Aim, LEVELS, SceneCase};
 use cube3::words_study::sweeps::{Base, Row, Sweep, shortest, thin};
 use cube3::words_study::thin::ThinCase;
 use cube3::words_study::wire::{Design, Order, Variant, Wire, widest};
@@ -233,8 +233,8 @@ fn gradients_of_a_linear_field_are_exact_until_bits_are_dropped() {
     }
 }
 
-fn dominates(a: &Row, b: &Row) -> bool {
-    let key = |row: &Row| (row.measured.cost.total_bits(), row.measured.image.mean);
+fn dominates(a: &Row, b: &Row, aim: Aim) -> bool {
+    let key = |row: &Row| (row.measured.cost.total_bits(), row.measured.error(aim));
     let ((cost_a, error_a), (cost_b, error_b)) = (key(a), key(b));
     cost_a <= cost_b && error_a <= error_b && (cost_a < cost_b || error_a < error_b)
 }
@@ -243,32 +243,32 @@ fn dominates(a: &Row, b: &Row) -> bool {
 fn no_design_beats_one_on_the_front() {
     let study = small();
     let rows = &study.rows;
-    assert!(study.front.len() > 10, "{}", study.front.len());
-    for &index in &study.front {
-        assert!(!rows.iter().any(|row| dominates(row, &rows[index])));
-    }
-    // What is not on it is beaten, or the twin of one that is.
-    for (index, row) in rows.iter().enumerate() {
-        let twin = |&on: &usize| {
-            let key = |row: &Row| (row.measured.cost.total_bits(), row.measured.image.mean);
-            key(&rows[on]) == key(row)
-        };
-        let beaten = study.front.iter().any(|&on| dominates(&rows[on], row));
-        assert!(study.front.contains(&index) || beaten || study.front.iter().any(twin));
-    }
-    for variant in Variant::ALL {
-        for &on in &study.front_of(variant).unwrap() {
-            let beats = |row: &Row| row.design.variant() == variant && dominates(row, &rows[on]);
-            assert!(rows[on].design.variant() == variant && !rows.iter().any(beats));
+    for aim in Aim::ALL {
+        let all = study.front(aim, None).unwrap();
+        assert!(all.len() > 10, "{}", all.len());
+        for &index in &all {
+            assert!(!rows.iter().any(|row| dominates(row, &rows[index], aim)));
+        }
+        // What is not on it is beaten, or the twin of one that is.
+        let key = |row: &Row| (row.measured.cost.total_bits(), row.measured.error(aim));
+        for (index, row) in rows.iter().enumerate() {
+            let beats = |&on: &usize| on == index || dominates(&rows[on], row, aim) || key(&rows[on]) == key(row);
+            assert!(all.iter().any(beats), "{row:?}");
+        }
+        for variant in Variant::ALL {
+            for &on in &study.front(aim, Some(variant)).unwrap() {
+                let beats = |row: &Row| row.design.variant() == variant && dominates(row, &rows[on], aim);
+                assert!(rows[on].design.variant() == variant && !rows.iter().any(beats));
+            }
+        }
+        // The cheapest within an error is the first of the front that is.
+        for levels in [0.05, 0.5, 3.0] {
+            let first = all.iter().map(|&on| &rows[on]).find(|row| row.measured.error(aim) <= levels);
+            assert_eq!(study.cheapest(aim, levels).map(key), first.map(key));
         }
     }
-    assert_eq!(front(rows, &[]).unwrap(), Vec::<usize>::new());
-    // The cheapest within an error is the cheapest of all.
-    for levels in [0.05, 0.5, 3.0] {
-        let cheapest = study.cheapest(levels).unwrap().measured.cost.total_bits();
-        let within = rows.iter().filter(|row| row.measured.image.mean <= levels);
-        assert_eq!(within.map(|row| row.measured.cost.total_bits()).min(), Some(cheapest));
-    }
+    assert_eq!(front(rows, &[], Aim::Picture).unwrap(), Vec::<usize>::new());
+    assert!(study.rows.iter().all(|row| row.measured.thin.mean > 0.0));
 }
 
 #[test]
@@ -292,7 +292,7 @@ fn the_shortest_word_is_the_first_of_those_that_stay_within_the_bound() {
 #[test]
 fn files_are_the_same_bytes_on_any_number_of_threads() {
     let (one, two) = (of_head(1), small());
-    assert_eq!(csv(&one), csv(two));
+    assert_eq!(csv(&one).unwrap(), csv(two).unwrap());
     assert_eq!(json(&one).unwrap(), json(two).unwrap());
     let [drawn_one, drawn_two] = [&one, two].map(|study| plots(study).unwrap());
     assert_eq!(drawn_one, drawn_two);
@@ -302,7 +302,7 @@ fn files_are_the_same_bytes_on_any_number_of_threads() {
 #[test]
 fn the_files_hold_every_point_and_their_schema() {
     let study = small();
-    let text = csv(study);
+    let text = csv(study).unwrap();
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 1 + study.rows.len() + study.thin.len());
     let columns = lines[0].split(',').count();
@@ -318,7 +318,10 @@ fn the_files_hold_every_point_and_their_schema() {
         assert_eq!(point["cost_bits"], row.measured.cost.logic_bits + row.measured.cost.memory_bits);
     }
     assert_eq!(value["thin_opacity"]["points"].as_array().unwrap().len(), study.thin.len());
-    assert_eq!(points.iter().filter(|point| point["on_front"] == true).count(), study.front.len());
+    for (aim, key) in [(Aim::Picture, "on_front"), (Aim::PictureAndThin, "on_front_with_thin")] {
+        let on = points.iter().filter(|point| point[key] == true).count();
+        assert_eq!(on, study.front(aim, None).unwrap().len());
+    }
 }
 
 #[test]

@@ -1,10 +1,11 @@
 //! `cube3 verify --words`: the study of word lengths.
 
 use super::on_threads;
-use super::run::{gradient, print};
+use super::run::{gradient, keep_inputs, print};
 use crate::inputs;
-use crate::output::write_files;
+use crate::output::{remove, write_files};
 use crate::problem::{Outcome, Problem};
+use crate::progress::Waiting;
 use crate::words_study::wire::Wire;
 use crate::words_study::{Options, csv, json, page, plots, study, summary};
 use clap::Args;
@@ -82,6 +83,7 @@ impl WordsArguments {
     /// # Errors
     /// What went wrong, in words.
     pub fn execute(self) -> Outcome<()> {
+        keep_inputs(self.scene.as_deref(), &self.machine, &self.out)?;
         let scene = self.scene()?;
         let machine = self.machine()?;
         let mut wires = Wire::ALL.to_vec();
@@ -93,12 +95,13 @@ impl WordsArguments {
             let read = ReadOptions::default();
             let volume = inputs::volume(&scene, &machine, &read, false)?;
             inputs::check_memory(&scene, &machine, volume.words.dims, false, &read)?;
+            let _waiting = Waiting::new("word lengths");
             study(&scene, &machine, &volume, &options)
         })?;
         print(&summary(&study))?;
         let plots = plots(&study)?;
         let mut files: Vec<(&str, Vec<u8>)> = vec![
-            ("words.csv", csv(&study).into_bytes()),
+            ("words.csv", csv(&study)?.into_bytes()),
             ("words.json", json(&study)?.into_bytes()),
             ("words.html", page(&study, &plots).into_bytes()),
             ("front.svg", plots.front.into_bytes()),
@@ -107,8 +110,13 @@ impl WordsArguments {
             ("scene.toml", scene.to_toml()?.into_bytes()),
             ("machine.toml", machine.to_toml().into_bytes()),
         ];
-        let sometimes = [("gradients.svg", plots.gradients), ("thin.svg", plots.thin)];
-        files.extend(sometimes.into_iter().filter_map(|(name, svg)| Some((name, svg?.into_bytes()))));
+        for (name, svg) in [("gradients.svg", plots.gradients), ("thin.svg", plots.thin)] {
+            match svg {
+                Some(svg) => files.push((name, svg.into_bytes())),
+                // One of an earlier study would be taken for this one's.
+                None => remove(&self.out.join(name))?,
+            }
+        }
         print(&format!("\nwrote {}\n", write_files(&self.out, &files)?.join(" ")))
     }
 

@@ -1,6 +1,6 @@
 //! The study as CSV and as JSON: the same columns.
 
-use super::picture::ImageLevels;
+use super::picture::{Aim, ImageLevels};
 use super::sweeps::{Row, Sweep, ThinRow};
 use super::thin;
 use super::wire::{Order, Wire, rounding_name};
@@ -17,7 +17,7 @@ fn columns(case: &str, sweep: Sweep, words: &Words, order: Order, used: &[Wire],
     let (wire, bits) = match sweep {
         Sweep::OneWire(_, wire, bits) => (json!(wire.name()), json!(bits)),
         Sweep::Uniform(bits) => (json!("all"), json!(bits)),
-        Sweep::Grid | Sweep::Search | Sweep::Machine => (Value::Null, Value::Null),
+        Sweep::Grid | Sweep::Search(_) | Sweep::Machine => (Value::Null, Value::Null),
     };
     let mut columns: Columns = vec![
         ("case".into(), json!(case)),
@@ -39,7 +39,7 @@ fn columns(case: &str, sweep: Sweep, words: &Words, order: Order, used: &[Wire],
     columns
 }
 
-fn of_row(row: &Row, on_front: bool) -> Columns {
+fn of_row(row: &Row, on_front: [bool; 2]) -> Columns {
     let (design, measured) = (&row.design, &row.measured);
     let mut columns = columns("scene", row.sweep, &design.words, design.order, &Wire::ALL, measured.image);
     let gradient = measured.gradient.map(|error| error.gradient);
@@ -51,13 +51,15 @@ fn of_row(row: &Row, on_front: bool) -> Columns {
         ("normal_mean_deg".into(), json!(normal.map(|angles| angles.mean_deg))),
         ("normal_p99_deg".into(), json!(normal.map(|angles| angles.p99_deg))),
         ("normal_max_deg".into(), json!(normal.map(|angles| angles.max_deg))),
+        ("thin_mean_levels".into(), json!(measured.thin.mean)),
         ("gradient_lost_fraction".into(), json!(measured.gradient.map(|error| error.lost_fraction))),
         ("logic_bits".into(), json!(measured.cost.logic_bits)),
         ("memory_bits".into(), json!(measured.cost.memory_bits)),
         ("cost_bits".into(), json!(measured.cost.total_bits())),
         ("frame_buffer_bits".into(), json!(measured.cost.frame_buffer_bits)),
         ("fine_tables".into(), json!(design.fine_tables)),
-        ("on_front".into(), json!(on_front)),
+        ("on_front".into(), json!(on_front[0])),
+        ("on_front_with_thin".into(), json!(on_front[1])),
     ]);
     columns
 }
@@ -66,14 +68,19 @@ fn of_thin(row: &ThinRow) -> Columns {
     columns("thin-opacity", row.sweep, &row.words, row.order, &Wire::OF_THE_CONE, row.error)
 }
 
-fn scene_columns(study: &Study) -> impl Iterator<Item = Columns> + '_ {
-    let mut on_front = vec![false; study.rows.len()];
-    study.front.iter().for_each(|&index| on_front[index] = true);
-    study.rows.iter().zip(on_front).map(|(row, on_front)| of_row(row, on_front))
+fn scene_columns(study: &Study) -> Outcome<Vec<Columns>> {
+    let mut on_front = vec![[false; 2]; study.rows.len()];
+    for (place, aim) in Aim::ALL.into_iter().enumerate() {
+        study.front(aim, None)?.iter().for_each(|&index| on_front[index][place] = true);
+    }
+    Ok(study.rows.iter().zip(on_front).map(|(row, on_front)| of_row(row, on_front)).collect())
 }
 
 /// One table: the points of the scene, then those of the cone alone. A column that a point does not have is empty.
-pub fn csv(study: &Study) -> String {
+///
+/// # Errors
+/// An error that is not finite.
+pub fn csv(study: &Study) -> Outcome<String> {
     let mut text = String::new();
     let cell = |value: &Value| match value {
         Value::Null => String::new(),
@@ -81,7 +88,7 @@ pub fn csv(study: &Study) -> String {
         other => other.to_string(),
     };
     let mut header: Vec<String> = Vec::new();
-    for columns in scene_columns(study).chain(study.thin.iter().map(of_thin)) {
+    for columns in scene_columns(study)?.into_iter().chain(study.thin.iter().map(of_thin)) {
         if header.is_empty() {
             header = columns.iter().map(|(name, _)| name.clone()).collect();
             text += &(format!("schema,{}\n", header.join(",")));
@@ -90,7 +97,7 @@ pub fn csv(study: &Study) -> String {
         cells.resize(header.len(), String::new());
         text += &format!("{SCHEMA},{}\n", cells.join(","));
     }
-    text
+    Ok(text)
 }
 
 /// The same points as objects, with what was asked and what the thin rays are.
@@ -116,7 +123,7 @@ pub fn json(study: &Study) -> Outcome<String> {
         "machine": study.machine,
         "volume": { "source": source, "dims": dims },
         "designs": study.designs,
-        "points": scene_columns(study).map(object).collect::<Vec<Value>>(),
+        "points": scene_columns(study)?.into_iter().map(object).collect::<Vec<Value>>(),
         "thin_opacity": {
             "samples": thin::SAMPLES,
             "rays": thin::RAYS,

@@ -28,7 +28,7 @@ use cost::PartCost;
 use cube3_host::{MachineSpec, picture_setup};
 use cube3_metrics::WorkPrecision;
 use cube3_scene::Scene;
-use picture::SceneCase;
+use picture::{Aim, SceneCase};
 use sweeps::{Row, ThinRow};
 use thin::ThinCase;
 use wire::{Variant, Wire};
@@ -71,8 +71,6 @@ pub struct Study {
     pub rows: Vec<Row>,
     /// Points of the cone alone.
     pub thin: Vec<ThinRow>,
-    /// The front over all rows, by rising cost: indices of rows. Of points with the same cost and error, the first.
-    pub front: Vec<usize>,
     /// What the logic of the machine's own words is made of.
     pub parts: Vec<PartCost>,
     /// Designs that were measured.
@@ -101,9 +99,7 @@ pub fn study(scene: &Scene, machine: &MachineSpec, volume: &LoadedVolume, option
     rows.extend(one_wire);
     rows.extend(found);
     let thin = sweeps::thin(&ThinCase::new(), &machine.words, &wires);
-    let all: Vec<usize> = (0..rows.len()).collect();
     Ok(Study {
-        front: front(&rows, &all)?,
         parts: own.as_ref().map_or_else(Vec::new, |setup| cost::parts(machine, setup)),
         options: Options { wires, ..options.clone() },
         unused,
@@ -116,12 +112,16 @@ pub fn study(scene: &Scene, machine: &MachineSpec, volume: &LoadedVolume, option
     })
 }
 
-/// Of some rows those that no other beats in cost and mean error, by rising cost; one of each pair of cost and error.
-pub fn front(rows: &[Row], of: &[usize]) -> Outcome<Vec<usize>> {
+/// Of some rows those that no other beats in cost and mean error, by rising cost: indices of rows. Of those with the same cost and
+/// error, the first.
+///
+/// # Errors
+/// An error that is not finite.
+pub fn front(rows: &[Row], of: &[usize], aim: Aim) -> Outcome<Vec<usize>> {
     // The front is that of a diagram of time and error: here the cost is what is paid.
     let point = |&index: &usize| {
         let measured = &rows[index].measured;
-        WorkPrecision { time_s: measured.cost.total_bits() as f64, error: measured.image.mean }
+        WorkPrecision { time_s: measured.cost.total_bits() as f64, error: measured.error(aim) }
     };
     let points: Vec<WorkPrecision> = of.iter().map(point).collect();
     let mut kept: Vec<usize> = Vec::new();
@@ -135,18 +135,22 @@ pub fn front(rows: &[Row], of: &[usize]) -> Outcome<Vec<usize>> {
 }
 
 impl Study {
-    /// The cheapest design whose mean error is at most so many levels: a row of the front.
-    pub fn cheapest(&self, levels: f64) -> Option<&Row> {
-        self.front.iter().map(|&index| &self.rows[index]).find(|row| row.measured.image.mean <= levels)
-    }
-
-    /// The front of one variant: indices of rows, by rising cost.
+    /// The front over all rows, or over those of one variant: indices of rows, by rising cost.
     ///
     /// # Errors
     /// An error that is not finite.
-    pub fn front_of(&self, variant: Variant) -> Outcome<Vec<usize>> {
-        let of: Vec<usize> =
-            (0..self.rows.len()).filter(|&index| self.rows[index].design.variant() == variant).collect();
-        front(&self.rows, &of)
+    pub fn front(&self, aim: Aim, variant: Option<Variant>) -> Outcome<Vec<usize>> {
+        let of = |index: &usize| variant.is_none_or(|variant| self.rows[*index].design.variant() == variant);
+        let of: Vec<usize> = (0..self.rows.len()).filter(of).collect();
+        front(&self.rows, &of, aim)
+    }
+
+    /// The cheapest row whose mean error is at most so many levels; of equally cheap ones that with the least error.
+    pub fn cheapest(&self, aim: Aim, levels: f64) -> Option<&Row> {
+        let within = self.rows.iter().filter(|row| row.measured.error(aim) <= levels);
+        within.min_by(|a, b| {
+            let [a, b] = [a, b].map(|row| row.measured);
+            a.cost.total_bits().cmp(&b.cost.total_bits()).then(a.error(aim).total_cmp(&b.error(aim)))
+        })
     }
 }

@@ -1,5 +1,6 @@
 //! The study as one page for a browser, which needs nothing else.
 
+use super::picture::Aim;
 use super::summary::{
     Table, about, family_table, front_table, number, shortest_table, thin_shortest_table, thin_table,
 };
@@ -34,7 +35,7 @@ pub fn page(study: &Study, plots: &Plots) -> String {
                     "is w) and the bits of tables and buffers, without the frame buffer."
                 }
                 (drawing(&plots.front))
-                (table(&front_table(study)))
+                @for aim in Aim::ALL { (table(&front_table(study, aim))) }
                 h2 { "All words alike" }
                 (table(&family_table(study)))
                 h2 { "One word at a time, the others at their longest" }

@@ -1,7 +1,8 @@
-//! What words do to the picture and the gradients of a scene, against the same samples in reals.
+//! What words do to the picture and the gradients of a scene, against the same samples in reals; and to the cone alone.
 
 use super::cost::{Cost, cost};
-use super::wire::Design;
+use super::thin::ThinCase;
+use super::wire::{Design, Order};
 use crate::function::{CanonicalVolume, render};
 use crate::gradient_error::Samples;
 use crate::inputs::LoadedVolume;
@@ -17,13 +18,14 @@ use cube3_volume::{NonFiniteRule, VoxelWords, WordConversion, WordRounding};
 use cube3_word::Rounding;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::hash::Hash;
 
 /// Levels of an 8-bit display: errors of pictures are in 1/255.
 pub const LEVELS: f64 = 255.0;
 
 /// Most rays whose gradients are looked at: a grid of them, if there are more.
-const MOST_RAYS: usize = 1024;
+const MOST_RAYS: usize = 4096;
 
 /// Gradients below this part of the window for each voxel are none in reals either: a 16-bit word.
 const FLAT: f64 = 1.0 / 65535.0;
@@ -70,8 +72,35 @@ pub struct Measured {
     pub image: ImageLevels,
     /// Where the scene has gradients.
     pub gradient: Option<GradientError>,
+    /// Of rays of thin opacity through the cone alone.
+    pub thin: ImageLevels,
     /// Cost of the machine.
     pub cost: Cost,
+}
+
+/// Which error a design is judged by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Aim {
+    /// The picture of the scene.
+    Picture,
+    /// The worse of the picture and of rays of thin opacity, so that words serve both.
+    PictureAndThin,
+}
+
+impl Aim {
+    /// Both.
+    pub const ALL: [Aim; 2] = [Aim::Picture, Aim::PictureAndThin];
+}
+
+impl Measured {
+    /// The mean error that a design is judged by, in levels of 1/255.
+    pub fn error(&self, aim: Aim) -> f64 {
+        match aim {
+            Aim::Picture => self.image.mean,
+            Aim::PictureAndThin => self.image.mean.max(self.thin.mean),
+        }
+    }
 }
 
 /// What all designs with the same samples are measured against.
@@ -94,6 +123,9 @@ type VoxelKey = (u32, Rounding);
 /// What the gradient depends on: voxel, weight, sample fraction, gradient and normal bits, fine tables, rounding.
 type GradientKey = ([u32; 5], bool, Rounding);
 
+/// What rays of thin opacity depend on: colour, opacity and accumulator bits, order, rounding.
+type ThinKey = ([u32; 3], Order, Rounding);
+
 /// A scene, its volume and a machine whose words are varied; and what has been measured.
 pub struct SceneCase<'a> {
     scene: &'a Scene,
@@ -102,6 +134,8 @@ pub struct SceneCase<'a> {
     /// By weight bits, on which the positions of the samples depend.
     ideals: BTreeMap<u32, Ideal>,
     gradients: HashMap<GradientKey, Option<GradientError>>,
+    rays: ThinCase,
+    thin: HashMap<ThinKey, ImageLevels>,
     measured: HashMap<Design, Measured>,
 }
 
@@ -118,6 +152,8 @@ impl<'a> SceneCase<'a> {
             volume,
             ideals: BTreeMap::new(),
             gradients: HashMap::new(),
+            rays: ThinCase::new(),
+            thin: HashMap::new(),
             measured: HashMap::new(),
         })
     }
@@ -132,13 +168,12 @@ impl<'a> SceneCase<'a> {
     /// # Errors
     /// A scene that the machine cannot be set up for.
     pub fn measure(&mut self, designs: &[Design]) -> Outcome<Vec<Measured>> {
-        let mut new: Vec<Design> = Vec::new();
-        for design in designs {
-            if !self.measured.contains_key(design) && !new.contains(design) {
-                new.push(*design);
-            }
-        }
+        let mut new = firsts(designs, &self.measured, |design| *design);
         self.find_ideals(&new)?;
+        let thin = firsts(&new, &self.thin, thin_key);
+        let found: Vec<ImageLevels> =
+            thin.par_iter().map(|design| self.rays.measure(&design.words, design.order)).collect();
+        self.thin.extend(thin.iter().map(thin_key).zip(found));
         let key = |design: &Design| -> VoxelKey { (design.words.voxel_bits, design.words.rounding) };
         while let Some(first) = new.first().map(key) {
             let (now, later): (Vec<Design>, Vec<Design>) = new.into_iter().partition(|design| key(design) == first);
@@ -192,16 +227,9 @@ impl<'a> SceneCase<'a> {
             return Err(Problem::new("the volume has no frame in this view; try another view"));
         };
         let turned = CanonicalVolume::new(&axes, words.dims, &words.words);
-        // A gradient is measured once, with the first design that has it.
-        let mut firsts: Vec<Design> = Vec::new();
-        for design in designs {
-            let key = gradient_key(design);
-            if !self.gradients.contains_key(&key) && !firsts.iter().any(|first| gradient_key(first) == key) {
-                firsts.push(*design);
-            }
-        }
-        let found: Outcome<Vec<_>> = firsts.par_iter().map(|design| self.gradient_error(design, &words)).collect();
-        self.gradients.extend(firsts.iter().map(gradient_key).zip(found?));
+        let new = firsts(designs, &self.gradients, gradient_key);
+        let found: Outcome<Vec<_>> = new.par_iter().map(|design| self.gradient_error(design, &words)).collect();
+        self.gradients.extend(new.iter().map(gradient_key).zip(found?));
         let found: Outcome<Vec<Measured>> = designs
             .par_iter()
             .map(|design| {
@@ -212,6 +240,7 @@ impl<'a> SceneCase<'a> {
                 Ok(Measured {
                     image: self.image_error(design, &frames, setup, &turned)?,
                     gradient: self.gradients.get(&gradient_key(design)).copied().flatten(),
+                    thin: self.thin.get(&thin_key(design)).copied().unwrap_or_default(),
                     cost: cost(&design.machine(self.machine), words.dims, setup),
                 })
             })
@@ -271,6 +300,18 @@ impl<'a> SceneCase<'a> {
             samples: points.len(),
         }))
     }
+}
+
+/// The first design with each key that is not known yet.
+fn firsts<K: Eq + Hash, V>(designs: &[Design], known: &HashMap<K, V>, key: impl Fn(&Design) -> K) -> Vec<Design> {
+    let mut seen: HashSet<K> = HashSet::new();
+    let new = |design: &&Design| !known.contains_key(&key(design)) && seen.insert(key(design));
+    designs.iter().filter(new).copied().collect()
+}
+
+fn thin_key(design: &Design) -> ThinKey {
+    let words = &design.words;
+    ([words.colour_bits, words.opacity_bits, words.accumulator_bits], design.order, words.rounding)
 }
 
 fn gradient_key(design: &Design) -> GradientKey {

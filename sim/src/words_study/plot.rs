@@ -17,7 +17,10 @@ const LETTER: f64 = 7.0;
 const STYLE: &str = "text{font:12px system-ui,'DejaVu Sans',sans-serif;fill:#16191d}.title{font-weight:600;font-size:13px}\
 .axis{stroke:#16191d;fill:none}.grid{stroke:#d9dde3;fill:none}.bound{stroke:#6b7480;stroke-dasharray:2 3;fill:none}\
 .line{fill:none;stroke-width:1.8}.cloud{stroke:#b9c0ca;stroke-width:2.4;stroke-linecap:round;fill:none}\
-.mark{stroke-width:1.4}";
+.mark{stroke-width:1.4}.halo{paint-order:stroke;stroke:#ffffff;stroke-width:3px}";
+
+/// Marks of a series with more points are smaller.
+const MANY: usize = 40;
 
 /// Look of a series: colour, dashes, shape of its marks; told apart without colour too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,7 +107,7 @@ fn legend(series: &[Series]) -> Markup {
     html! {
         @for (x, series) in entries {
             @if series.joined { (line(&[[x, 16.0], [x + 26.0, 16.0]], series.look)) }
-            (mark([x + 13.0, 16.0], series.look))
+            (mark([x + 13.0, 16.0], series.look, 1.0))
             text x=(x + 32.0) y="20" { (series.name) }
         }
     }
@@ -118,18 +121,20 @@ fn line(places: &[[f64; 2]], look: Look) -> Markup {
     }
 }
 
-fn mark([x, y]: [f64; 2], look: Look) -> Markup {
+/// A mark, `size` times as large as by itself. Squares are larger than circles, so that both show where they lie on each other.
+fn mark([x, y]: [f64; 2], look: Look, size: f64) -> Markup {
     let fill = if look.dashed { "#ffffff" } else { look.colour };
     let path = match look.mark {
-        Mark::Circle => format!("M{:.1} {y:.1}a3.2 3.2 0 1 0 6.4 0a3.2 3.2 0 1 0 -6.4 0z", x - 3.2),
-        Mark::Square => format!("M{:.1} {:.1}h5.8v5.8h-5.8z", x - 2.9, y - 2.9),
-        Mark::Triangle => format!("M{x:.1} {:.1}l3.8 6.6h-7.6z", y - 4.2),
-        Mark::Diamond => format!("M{x:.1} {:.1}l4.2 4.2l-4.2 4.2l-4.2 -4.2z", y - 4.2),
-        Mark::Star => {
-            format!("M{x:.1} {:.1}l2 5.2h5.4l-4.4 3.4l1.7 5.4l-4.7 -3.3l-4.7 3.3l1.7 -5.4l-4.4 -3.4h5.4z", y - 7.5)
-        }
+        Mark::Circle => "M-2.3 0a2.3 2.3 0 1 0 4.6 0a2.3 2.3 0 1 0 -4.6 0z",
+        Mark::Square => "M-3.5 -3.5h7v7h-7z",
+        Mark::Triangle => "M0 -3.4l3.2 5.6h-6.4z",
+        Mark::Diamond => "M0 -4.6l4.6 4.6l-4.6 4.6l-4.6 -4.6z",
+        Mark::Star => "M0 -7.5l2 5.2h5.4l-4.4 3.4l1.7 5.4l-4.7 -3.3l-4.7 3.3l1.7 -5.4l-4.4 -3.4h5.4z",
     };
-    html! { path.mark d=(path) fill=(fill) stroke=(look.colour) {} }
+    let scale = if size < 1.0 { format!(" scale({size})") } else { String::new() };
+    html! {
+        path.mark d=(path) transform=(format!("translate({x:.1} {y:.1}){scale}")) fill=(fill) stroke=(look.colour) {}
+    }
 }
 
 /// An axis: values at both ends, and where its lines are.
@@ -198,7 +203,7 @@ impl Panel {
         let cloud: String =
             self.cloud.iter().map(place).map(|[x, y]| format!("M{x:.0} {y:.0}h0")).collect::<Vec<String>>().join("");
         html! {
-            text.title x=(LEFT) y=(TOP - 10.0) { (self.title) }
+            text.title x="8" y=(TOP - 10.0) { (self.title) }
             @for tick in &up.ticks {
                 @let at = y(*tick);
                 path.grid d=(format!("M{LEFT} {at:.1}H{right}")) {}
@@ -216,12 +221,16 @@ impl Panel {
             @if let Some((bound, name)) = &self.bound {
                 @let at = y(*bound);
                 path.bound d=(format!("M{LEFT} {at:.1}H{right}")) {}
-                text x=(right - 2.0) y=(format!("{:.1}", at - 4.0)) text-anchor="end" { (name) }
+                // Below the line where the title is above it.
+                @let under = if at < TOP + 16.0 { 14.0 } else { -4.0 };
+                text.halo x=(right - 2.0) y=(format!("{:.1}", at + under)) text-anchor="end" { (name) }
             }
-            @for series in &self.series {
+            // The first series is on top.
+            @for series in self.series.iter().rev() {
                 @let places: Vec<[f64; 2]> = series.points.iter().map(place).collect();
+                @let size = if places.len() > MANY { 0.6 } else { 1.0 };
                 @if series.joined { (line(&places, series.look)) }
-                @for at in &places { (mark(*at, series.look)) }
+                @for at in &places { (mark(*at, series.look, size)) }
             }
         }
     }

@@ -1,9 +1,10 @@
 //! The study's diagrams.
 
+use super::Study;
+use super::picture::Aim;
 use super::plot::{Look, Mark, Panel, Series, figure};
 use super::sweeps::{Base, Row, Sweep};
 use super::wire::{Variant, Wire};
-use super::{Study, thin};
 use crate::problem::Outcome;
 
 /// The diagrams as SVG.
@@ -42,7 +43,7 @@ pub fn plots(study: &Study) -> Outcome<Plots> {
     let thin_columns = (thin.len() / Base::ALL.len()).max(1);
     let some = |panels: &[Panel], columns: usize| (!panels.is_empty()).then(|| figure(panels, columns, 330.0, 270.0));
     Ok(Plots {
-        front: figure(&[front_panel(study)?], 1, 940.0, 520.0),
+        front: figure(&[front_panel(study, Aim::Picture)?, front_panel(study, Aim::PictureAndThin)?], 1, 940.0, 460.0),
         wires_wide: figure(&panels(Base::Wide), 3, 330.0, 270.0),
         wires_machine: figure(&panels(Base::Machine), 3, 330.0, 270.0),
         gradients: some(&gradients, 3),
@@ -149,7 +150,7 @@ fn thin_panel(study: &Study, base: Base, wire: Wire) -> Panel {
     });
     Panel {
         title: format!("{}_bits, {}", wire.name(), others(base)),
-        across: format!("{}_bits; {} samples of thin opacity", wire.name(), thin::SAMPLES),
+        across: format!("{}_bits", wire.name()),
         up: MEAN.into(),
         series: series.to_vec(),
         bound: Some((study.options.bound_levels, "bound".into())),
@@ -160,11 +161,11 @@ fn thin_panel(study: &Study, base: Base, wire: Wire) -> Panel {
 /// Cost in millions of bits.
 const MILLION: f64 = 1e6;
 
-fn front_panel(study: &Study) -> Outcome<Panel> {
-    let place = |row: &Row| [row.measured.cost.total_bits() as f64 / MILLION, row.measured.image.mean];
+fn front_panel(study: &Study, aim: Aim) -> Outcome<Panel> {
+    let place = |row: &Row| [row.measured.cost.total_bits() as f64 / MILLION, row.measured.error(aim)];
     let mut series = Vec::new();
     for variant in Variant::ALL {
-        let points = study.front_of(variant)?.iter().map(|&index| place(&study.rows[index])).collect();
+        let points = study.front(aim, Some(variant))?.iter().map(|&index| place(&study.rows[index])).collect();
         series.push(Series { name: format!("front: {}", variant.name()), look: look(variant), joined: true, points });
     }
     let own = |row: &&Row| row.sweep == Sweep::Machine && row.design.machine(&study.machine) == study.machine;
@@ -175,7 +176,10 @@ fn front_panel(study: &Study) -> Outcome<Panel> {
         points: study.rows.iter().filter(own).map(place).collect(),
     });
     Ok(Panel {
-        title: "Cost and error of all designs".into(),
+        title: match aim {
+            Aim::Picture => "Error of the picture".into(),
+            Aim::PictureAndThin => "The worse of the picture's error and that of rays of thin opacity".into(),
+        },
         across: "cost: cells of logic and bits of tables and buffers, millions".into(),
         up: MEAN.into(),
         log: true,

@@ -1,6 +1,6 @@
 //! What is printed: the shortest words, the cone alone, and the cheapest words for each error.
 
-use super::picture::{Angles, Measured};
+use super::picture::{Aim, Angles, Measured};
 use super::sweeps::{Base, Row, Sweep, ThinRow, shortest, shortest_thin};
 use super::wire::{Variant, Wire, rounding_name};
 use super::{Study, thin};
@@ -181,9 +181,10 @@ pub(crate) fn thin_shortest_table(study: &Study, base: Base) -> Table {
 const TARGETS: [f64; 9] = [16.0, 8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125, 0.0625];
 
 /// The cheapest words for each error: points of the front.
-pub(crate) fn front_table(study: &Study) -> Table {
-    let mut head: Vec<String> =
-        ["error at most", "mean", "rms", "max", "degrees", "logic", "memory", "cost"].map(String::from).to_vec();
+pub(crate) fn front_table(study: &Study, aim: Aim) -> Table {
+    let mut head: Vec<String> = ["error at most", "mean", "rms", "max", "thin", "degrees", "logic", "memory", "cost"]
+        .map(String::from)
+        .to_vec();
     head.extend(["order", "rounding"].map(String::from));
     let shown: Vec<Wire> = Wire::ALL.into_iter().filter(|wire| !study.unused.contains(wire)).collect();
     head.extend(shown.iter().map(|wire| wire.name().replace('_', " ")));
@@ -195,6 +196,7 @@ pub(crate) fn front_table(study: &Study) -> Table {
             number(measured.image.mean),
             number(measured.image.rms),
             number(measured.image.max),
+            number(measured.thin.mean),
             angles(measured).map_or_else(String::new, |angles| number(angles.mean_deg)),
             million(measured.cost.logic_bits),
             million(measured.cost.memory_bits),
@@ -212,10 +214,14 @@ pub(crate) fn front_table(study: &Study) -> Table {
         .map(|row| cells("the machine".into(), row));
     let targets = TARGETS.into_iter().filter_map(|part| {
         let levels = part * study.options.bound_levels;
-        Some(cells(number(levels), study.cheapest(levels)?))
+        Some(cells(number(levels), study.cheapest(aim, levels)?))
     });
     Table {
-        title: "The front: the cheapest words for a mean error in levels of 1/255; cost in millions of bits".into(),
+        title: match aim {
+            Aim::Picture => "The front: the cheapest words for a mean error of the picture in levels of 1/255; cost in millions of bits",
+            Aim::PictureAndThin => "The cheapest words where the cone alone must keep the same error on rays of thin opacity",
+        }
+        .into(),
         head,
         rows: own.into_iter().chain(targets).collect(),
     }
@@ -253,7 +259,8 @@ pub fn summary(study: &Study) -> String {
         shortest_table(study, Base::Machine),
         thin_shortest_table(study, Base::Wide),
         thin_shortest_table(study, Base::Machine),
-        front_table(study),
+        front_table(study, Aim::Picture),
+        front_table(study, Aim::PictureAndThin),
     ];
     for table in tables {
         if !table.rows.is_empty() {

@@ -1,6 +1,6 @@
 //! The points of the study: one wire at a time, all words alike, and a walk from long words to short ones.
 
-use super::picture::{ImageLevels, Measured, SceneCase};
+use super::picture::{Aim, ImageLevels, Measured, SceneCase};
 use super::thin::ThinCase;
 use super::wire::{Design, Order, Variant, Wire, uniform, widest};
 use crate::problem::Outcome;
@@ -42,7 +42,7 @@ pub enum Sweep {
     /// A grid of accumulator and table lengths.
     Grid,
     /// A step of a walk from long words to short ones, or a neighbour of one.
-    Search,
+    Search(Aim),
     /// The machine's own words.
     Machine,
 }
@@ -55,7 +55,8 @@ impl Sweep {
             Sweep::OneWire(Base::Machine, ..) => "one-wire-machine",
             Sweep::Uniform(_) => "uniform",
             Sweep::Grid => "grid",
-            Sweep::Search => "search",
+            Sweep::Search(Aim::Picture) => "search",
+            Sweep::Search(Aim::PictureAndThin) => "search-with-thin",
             Sweep::Machine => "machine",
         }
     }
@@ -173,8 +174,8 @@ const START: f64 = 1.0 / 64.0;
 /// A walk ends above this multiple of the bound.
 const END: f64 = 16.0;
 
-/// From words that are long enough to short ones, in each variant: of all wires, the one is shortened by a bit that adds the least
-/// error for each bit of cost that it saves. All neighbours that were tried are points. `one_wire` are rows of that sweep.
+/// From words that are long enough to short ones, for each aim and variant: of all wires, the one is shortened by a bit that adds
+/// the least error for each bit of cost that it saves. All neighbours that were tried are points. `one_wire` are rows of that sweep.
 pub fn search(
     case: &mut SceneCase<'_>,
     machine: &Words,
@@ -183,35 +184,43 @@ pub fn search(
     bound: f64,
 ) -> Outcome<Vec<Row>> {
     let mut found = Vec::new();
-    for variant in Variant::ALL {
-        let wide = case.measure(&[Design::widest(variant)])?;
-        let enough = wide.first().map_or(0.0, |wide| wide.image.mean) + START * bound;
-        let words = wires.iter().fold(Design::of(*machine, variant).words, |words, &wire| {
-            let longest = *wire.lengths().end();
-            let within = |measured: &Measured| measured.image.mean <= enough;
-            wire.with(words, shortest(one_wire, (Base::Wide, wire, variant), within).unwrap_or(longest))
-        });
-        let mut now = rows(case, vec![(Sweep::Search, Design::of(words, variant))])?;
-        while let Some(last) = now.pop().filter(|row| row.measured.image.mean <= END * bound) {
-            found.push(last);
-            let shorter = |wire: &Wire| {
-                let bits = wire.of(&last.design.words).checked_sub(1).filter(|bits| wire.lengths().contains(bits))?;
-                Some((Sweep::Search, Design::of(wire.with(last.design.words, bits), variant)))
-            };
-            let tried = rows(case, wires.iter().filter_map(shorter).collect())?;
-            let price = |row: &Row| {
-                let added = (row.measured.image.mean - last.measured.image.mean).max(0.0);
-                let saved = last.measured.cost.total_bits().saturating_sub(row.measured.cost.total_bits());
-                (added / saved.max(1) as f64, saved)
-            };
-            let cheaper = |a: &Row, b: &Row| {
-                let ((a, saved_a), (b, saved_b)) = (price(a), price(b));
-                a.total_cmp(&b).then(saved_b.cmp(&saved_a))
-            };
-            let next = tried.iter().copied().min_by(cheaper);
-            found.extend(tried.iter().copied().filter(|row| next.is_none_or(|next| next.design != row.design)));
-            now.extend(next);
+    for aim in Aim::ALL {
+        for variant in Variant::ALL {
+            let wide = case.measure(&[Design::widest(variant)])?;
+            let enough = wide.first().map_or(0.0, |wide| wide.error(aim)) + START * bound;
+            let words = wires.iter().fold(Design::of(*machine, variant).words, |words, &wire| {
+                let longest = *wire.lengths().end();
+                let within = |measured: &Measured| measured.error(aim) <= enough;
+                wire.with(words, shortest(one_wire, (Base::Wide, wire, variant), within).unwrap_or(longest))
+            });
+            found.extend(walk(case, Design::of(words, variant), aim, wires, bound)?);
         }
+    }
+    Ok(found)
+}
+
+/// One walk, with all neighbours.
+fn walk(case: &mut SceneCase<'_>, from: Design, aim: Aim, wires: &[Wire], bound: f64) -> Outcome<Vec<Row>> {
+    let mut found = Vec::new();
+    let mut next = rows(case, vec![(Sweep::Search(aim), from)])?.pop();
+    while let Some(last) = next.filter(|row| row.measured.error(aim) <= END * bound) {
+        found.push(last);
+        let shorter = |wire: &Wire| {
+            let bits = wire.of(&last.design.words).checked_sub(1).filter(|bits| wire.lengths().contains(bits))?;
+            Some((Sweep::Search(aim), Design::of(wire.with(last.design.words, bits), last.design.variant())))
+        };
+        let tried = rows(case, wires.iter().filter_map(shorter).collect())?;
+        let price = |row: &Row| {
+            let added = (row.measured.error(aim) - last.measured.error(aim)).max(0.0);
+            let saved = last.measured.cost.total_bits().saturating_sub(row.measured.cost.total_bits());
+            (added / saved.max(1) as f64, saved)
+        };
+        let cheaper = |a: &Row, b: &Row| {
+            let ((a, saved_a), (b, saved_b)) = (price(a), price(b));
+            a.total_cmp(&b).then(saved_b.cmp(&saved_a))
+        };
+        next = tried.iter().copied().min_by(cheaper);
+        found.extend(tried.into_iter().filter(|row| next.is_none_or(|next| next.design != row.design)));
     }
     Ok(found)
 }
