@@ -2,6 +2,7 @@
 
 use super::summary::number;
 use maud::{Markup, PreEscaped, html};
+use std::collections::BTreeSet;
 
 /// Space around a panel's axes, in pixels.
 const LEFT: f64 = 66.0;
@@ -107,7 +108,7 @@ fn legend(series: &[Series]) -> Markup {
     html! {
         @for (x, series) in entries {
             @if series.joined { (line(&[[x, 16.0], [x + 26.0, 16.0]], series.look)) }
-            (mark([x + 13.0, 16.0], series.look, 1.0))
+            (marks(&[[x + 13.0, 16.0]], series.look, 1.0))
             text x=(x + 32.0) y="20" { (series.name) }
         }
     }
@@ -121,19 +122,21 @@ fn line(places: &[[f64; 2]], look: Look) -> Markup {
     }
 }
 
-/// A mark, `size` times as large as by itself. Squares are larger than circles, so that both show where they lie on each other.
-fn mark([x, y]: [f64; 2], look: Look, size: f64) -> Markup {
+/// Marks, `size` times as large as by themselves, in one path. Squares are larger than circles, so that both show where they lie
+/// on each other.
+fn marks(places: &[[f64; 2]], look: Look, size: f64) -> Markup {
     let fill = if look.dashed { "#ffffff" } else { look.colour };
-    let path = match look.mark {
-        Mark::Circle => "M-2.3 0a2.3 2.3 0 1 0 4.6 0a2.3 2.3 0 1 0 -4.6 0z",
-        Mark::Square => "M-3.5 -3.5h7v7h-7z",
-        Mark::Triangle => "M0 -3.4l3.2 5.6h-6.4z",
-        Mark::Diamond => "M0 -4.6l4.6 4.6l-4.6 4.6l-4.6 -4.6z",
-        Mark::Star => "M0 -7.5l2 5.2h5.4l-4.4 3.4l1.7 5.4l-4.7 -3.3l-4.7 3.3l1.7 -5.4l-4.4 -3.4h5.4z",
+    let shape = match look.mark {
+        Mark::Circle => "m-2.3 0a2.3 2.3 0 1 0 4.6 0a2.3 2.3 0 1 0 -4.6 0z",
+        Mark::Square => "m-3.5 -3.5h7v7h-7z",
+        Mark::Triangle => "m0 -3.4l3.2 5.6h-6.4z",
+        Mark::Diamond => "m0 -4.6l4.6 4.6l-4.6 4.6l-4.6 -4.6z",
+        Mark::Star => "m0 -7.5l2 5.2h5.4l-4.4 3.4l1.7 5.4l-4.7 -3.3l-4.7 3.3l1.7 -5.4l-4.4 -3.4h5.4z",
     };
-    let scale = if size < 1.0 { format!(" scale({size})") } else { String::new() };
+    let at = |[x, y]: &[f64; 2]| format!("M{:.1} {:.1}{shape}", x / size, y / size);
+    let scale = (size != 1.0).then(|| format!("scale({size})"));
     html! {
-        path.mark d=(path) transform=(format!("translate({x:.1} {y:.1}){scale}")) fill=(fill) stroke=(look.colour) {}
+        path.mark d=(places.iter().map(at).collect::<String>()) transform=[scale] fill=(fill) stroke=(look.colour) {}
     }
 }
 
@@ -199,9 +202,10 @@ impl Panel {
         let y = |value: f64| bottom - up.part(value) * (bottom - TOP);
         let place = |&[a, b]: &[f64; 2]| [x(a), y(b)];
         let middle = (TOP + bottom) / 2.0;
-        // One path for all: a dot is a line without length.
-        let cloud: String =
-            self.cloud.iter().map(place).map(|[x, y]| format!("M{x:.0} {y:.0}h0")).collect::<Vec<String>>().join("");
+        // One path for all, each pixel once: a dot is a line without length.
+        let pixels: BTreeSet<[i64; 2]> =
+            self.cloud.iter().map(|point| place(point).map(|at| at.round() as i64)).collect();
+        let cloud: String = pixels.iter().map(|[x, y]| format!("M{x} {y}h0")).collect();
         html! {
             text.title x="8" y=(TOP - 10.0) { (self.title) }
             @for tick in &up.ticks {
@@ -218,19 +222,21 @@ impl Panel {
             text x=(format!("{:.1}", (LEFT + right) / 2.0)) y=(bottom + 34.0) text-anchor="middle" { (self.across) }
             text transform=(format!("translate(14 {middle:.1}) rotate(-90)")) text-anchor="middle" { (self.up) }
             @if !cloud.is_empty() { path.cloud d=(cloud) {} }
-            @if let Some((bound, name)) = &self.bound {
+            @if let Some((bound, _)) = &self.bound {
                 @let at = y(*bound);
                 path.bound d=(format!("M{LEFT} {at:.1}H{right}")) {}
-                // Below the line where the title is above it.
-                @let under = if at < TOP + 16.0 { 14.0 } else { -4.0 };
-                text.halo x=(right - 2.0) y=(format!("{:.1}", at + under)) text-anchor="end" { (name) }
             }
             // The first series is on top.
             @for series in self.series.iter().rev() {
                 @let places: Vec<[f64; 2]> = series.points.iter().map(place).collect();
                 @let size = if places.len() > MANY { 0.6 } else { 1.0 };
                 @if series.joined { (line(&places, series.look)) }
-                @for at in &places { (mark(*at, series.look, size)) }
+                (marks(&places, series.look, size))
+            }
+            @if let Some((bound, name)) = &self.bound {
+                // Below the line where the title is above it.
+                @let under = if y(*bound) < TOP + 16.0 { 14.0 } else { -4.0 };
+                text.halo x=(right - 2.0) y=(format!("{:.1}", y(*bound) + under)) text-anchor="end" { (name) }
             }
         }
     }
