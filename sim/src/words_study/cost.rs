@@ -302,6 +302,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
         #[test]
         fn a_longer_word_costs_more(
             wire in 0_usize..10, start in 4_u32..=16, method in 0_usize..7, table: bool, truncated: bool, wide: bool,
@@ -317,16 +319,19 @@ mod tests {
                 ..MachineSpec::default()
             };
             let words = if wide { widest(variant.rounding()) } else { uniform(start, variant.rounding()) };
-            let costs: Vec<Cost> = wire
+            let costs: Vec<(Words, Cost)> = wire
                 .lengths()
-                .map(|bits| wire.with(words, bits))
-                .filter(|words| words.check().is_ok())
-                .map(|words| of(&Design::of(words, variant).machine(&machine), spacing))
+                .map(|bits| (bits, wire.with(words, bits)))
+                .filter(|(bits, words)| wire.of(words) == *bits)
+                .map(|(_, words)| (words, of(&Design::of(words, variant).machine(&machine), spacing)))
                 .collect();
             for pair in costs.windows(2) {
-                // The index over the magnitude is read by two-dimensional tables only.
-                let more = pair[0].total_bits() < pair[1].total_bits();
-                prop_assert!(more || wire == Wire::TableGradient && pair[0] == pair[1], "{wire:?}: {pair:?}");
+                let [short, long] = [pair[0].1, pair[1].1];
+                // The index over the magnitude is read by two-dimensional tables only; and a gradient that drops nothing has no
+                // adders that round.
+                let same = wire == Wire::TableGradient && short == long;
+                let unrounded = wire == Wire::Gradient && !truncated && pair[1].0.gradient_drop() == 0;
+                prop_assert!(short.total_bits() < long.total_bits() || same || unrounded, "{wire:?}: {pair:?}");
             }
         }
     }
