@@ -70,13 +70,14 @@ fn gradient_pairs(setup: &FrameSetup, volume: &VoxelWords) -> Vec<([f64; 3], [f6
 }
 
 /// Samples of the machine, one at a time.
-struct Samples<'a> {
-    setup: &'a FrameSetup,
-    volume: &'a VoxelWords,
+pub(crate) struct Samples<'a> {
+    pub(crate) setup: &'a FrameSetup,
+    pub(crate) volume: &'a VoxelWords,
 }
 
 impl Samples<'_> {
-    fn around(&self, ray: DiscreteRay, k: i64, border: i32) -> Neighbourhood {
+    /// Sample k of a ray and its neighbours.
+    pub(crate) fn around(&self, ray: DiscreteRay, k: i64, border: i32) -> Neighbourhood {
         [-1, 0, 1].map(|w| {
             [-1, 0, 1].map(|v| {
                 [-1, 0, 1].map(|u| self.sample(DiscreteRay { u: ray.u + u, v: ray.v + v }, k + w).unwrap_or(border))

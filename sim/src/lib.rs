@@ -23,3 +23,4 @@ pub mod run;
 pub mod sequence;
 pub mod topology;
 pub mod trace;
+pub mod words_study;

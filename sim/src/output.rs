@@ -52,13 +52,7 @@ pub fn write_run(folder: &Path, result: &RunResult, scene: &Scene, machine: &Mac
     files.push(("report.json", to_json(&result.report)?.into_bytes()));
     files.push(("scene.toml", scene.to_toml()?.into_bytes()));
     files.push(("machine.toml", machine.to_toml().into_bytes()));
-    std::fs::create_dir_all(folder).map_err(|error| failed(folder, error))?;
-    let mut written = Vec::new();
-    for (name, bytes) in &files {
-        let path = folder.join(name);
-        replace(&path, bytes).map_err(|error| failed(&path, error))?;
-        written.push(path.display().to_string());
-    }
+    let written = write_files(folder, &files)?;
     // A picture of an earlier run beside this report would be taken for this run's.
     for path in not_made.iter().map(|name| folder.join(name)) {
         match std::fs::remove_file(&path) {
@@ -71,6 +65,20 @@ pub fn write_run(folder: &Path, result: &RunResult, scene: &Scene, machine: &Mac
         remove(&folder.join(ANIMATION))?;
     }
     Ok(written)
+}
+
+/// Writes files into a folder, which is made if it is not there, and gives their paths.
+///
+/// # Errors
+/// What cannot be written, with its path.
+pub fn write_files(folder: &Path, files: &[(&str, Vec<u8>)]) -> Outcome<Vec<String>> {
+    std::fs::create_dir_all(folder).map_err(|error| failed(folder, error))?;
+    let write = |(name, bytes): &(&str, Vec<u8>)| {
+        let path = folder.join(name);
+        replace(&path, bytes).map_err(|error| failed(&path, error))?;
+        Ok(path.display().to_string())
+    };
+    files.iter().map(write).collect()
 }
 
 /// Writes a file that a person has named, whole or not at all.
@@ -95,7 +103,7 @@ fn failed(path: &Path, error: std::io::Error) -> Problem {
 }
 
 /// Removes a file, if it is there.
-fn remove(path: &Path) -> Outcome<()> {
+pub(crate) fn remove(path: &Path) -> Outcome<()> {
     match std::fs::remove_file(path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(failed(path, error)),
         _ => Ok(()),

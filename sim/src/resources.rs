@@ -132,8 +132,11 @@ fn lights(frames: &[FrameSetup]) -> u64 {
     frames.iter().map(of).max().unwrap_or(0).clamp(1, MOST_LIGHTS) as u64
 }
 
+/// What [`memory`] calls the frame buffer.
+pub(crate) const FRAME_BUFFER: &str = "frame buffer";
+
 /// Bits of memory, by what they hold.
-fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSetup]) -> Vec<MemoryBits> {
+pub(crate) fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSetup]) -> Vec<MemoryBits> {
     let words = &machine.words;
     let voxels: u64 = dims.iter().map(|&n| n as u64).product();
     let mut memory = Vec::new();
@@ -147,7 +150,7 @@ fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSetup]) -> Vec
         _ => 1,
     };
     let voxel_bits = u64::from(words.voxel_bits);
-    kind("frame buffer", format!("{buffers} × {voxels} voxels of {voxel_bits} bits"), buffers * voxels * voxel_bits);
+    kind(FRAME_BUFFER, format!("{buffers} × {voxels} voxels of {voxel_bits} bits"), buffers * voxels * voxel_bits);
     // The largest frame sets the size of each buffer; registers and first planes are there twice where frames overlap.
     let twice = if machine.frames.overlap { 2 } else { 1 };
     let most = |of: &dyn Fn(&FrameSetup) -> u64| frames.iter().map(of).max().unwrap_or(0);

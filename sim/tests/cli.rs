@@ -207,3 +207,51 @@ fn bench_prints_ratios_and_fractions() {
     assert!(output.status.success(), "{}", text(&output.stderr));
     assert!(table.contains("M samples/s") && table.contains("% of the bandwidth"), "{table}");
 }
+
+#[test]
+fn verify_words_writes_tables_page_and_diagrams() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = |more: &[&str]| {
+        let arguments = ["verify", "--words", "--size", "12", "--wires", "accumulator,opacity_bits", "--out", "out"];
+        cube3(folder.path(), &[&arguments[..], more].concat())
+    };
+    let output = study(&["--threads", "2"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let printed = text(&output.stdout);
+    for part in ["accumulator_bits", "opacity_bits", "The front", "The cone alone"] {
+        assert!(printed.contains(part), "{part} is not in {printed}");
+    }
+    assert!(!printed.contains("colour_bits"));
+    let names = ["words.csv", "words.json", "words.html", "front.svg", "wires-wide.svg", "thin.svg", "scene.toml"];
+    let read = || names.map(|name| std::fs::read(folder.path().join("out").join(name)).unwrap());
+    let first = read();
+    // No wire of the gradient was asked for.
+    assert!(!folder.path().join("out/gradients.svg").exists());
+    assert!(study(&["--threads", "1"]).status.success());
+    assert!(read() == first, "one thread writes other bytes than two");
+    // Nothing but accumulator and opacity was varied.
+    let value: serde_json::Value = serde_json::from_slice(&first[1]).unwrap();
+    assert_eq!(value["schema"], 1);
+    let points = value["points"].as_array().unwrap();
+    let of_machine = |point: &&serde_json::Value| point["sweep"] == "one-wire-machine";
+    assert_eq!(points.iter().filter(of_machine).count(), 4 * (16 + 32));
+    assert!(points.iter().filter(of_machine).all(|point| point["colour_bits"] == 12));
+}
+
+#[test]
+fn mistakes_of_verify_get_one_message() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, part) in [
+        (&["verify"][..], "give --words"),
+        (&["verify", "--words", "--wires", "colour,hue"], "accumulator"),
+        (&["verify", "--words", "--bound", "-1"], "above 0"),
+        (&["verify", "--words", "--phantom", "heart"], "heart"),
+        (&["verify", "--words", "--size", "12", "--machine", "none.toml"], "none.toml"),
+    ] {
+        let output = cube3(folder.path(), arguments);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+        assert!(message.contains(part) && message.trim_end().lines().count() == 1, "{message}");
+    }
+    assert!(std::fs::read_dir(folder.path()).unwrap().next().is_none());
+}

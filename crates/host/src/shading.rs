@@ -69,10 +69,10 @@ fn phong(scene: &Scene, machine: &MachineSpec, lights: &[LocalLight]) -> Phong {
     }
 }
 
-/// The normaliser's table.
+/// The normaliser's table. Its index is no longer than the squared length has bits below its range.
 pub(crate) fn normaliser(machine: &MachineSpec) -> Normaliser {
     let bits = machine.words.normal_bits;
-    let root_bits = machine.abc.root_bits;
+    let root_bits = machine.abc.root_bits.min(2 * bits - 2);
     let bin = f64::from(1_u32 << (2 * bits - 2 - root_bits));
     let top = f64::from(1_u32 << (2 * bits - 1));
     let root = (1_u32 << root_bits..12 << root_bits)
@@ -131,4 +131,20 @@ fn reflectance(scene: &Scene, machine: &MachineSpec, lights: &[LocalLight]) -> R
         }
     }
     ReflectanceTable { bits, diffuse, specular, flat: intensity(material.ambient, colour_bits) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cube3_word::Words;
+
+    /// Entry i of a table without a gap between its bins is that of the squared length i itself.
+    #[test]
+    fn the_shortest_normals_have_a_table_as_fine_as_their_squares() {
+        let machine = MachineSpec { words: Words { normal_bits: 4, ..Words::default() }, ..MachineSpec::default() };
+        let table = normaliser(&machine);
+        assert_eq!((table.root_bits, table.root.len()), (6, 11 << 6));
+        let entry = |square: usize| (128.0 / (square as f64 + 0.5).sqrt()).round() as u32;
+        assert!(table.root.iter().enumerate().all(|(i, &root)| root == entry(i + 64).min(16)));
+    }
 }

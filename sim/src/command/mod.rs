@@ -5,6 +5,7 @@ mod run;
 mod vectors;
 mod verify;
 mod volume;
+mod words;
 
 use crate::problem::Outcome;
 use clap::{Parser, Subcommand};
@@ -25,8 +26,8 @@ enum Command {
     Run(Box<run::RunArguments>),
     /// Golden vectors of units, their data sheets and test benches.
     Vectors(vectors::VectorsArguments),
-    /// Units against their specification, and devices under test against vectors.
-    Verify(verify::VerifyArguments),
+    /// Units against their specification, devices under test against vectors; the study of word lengths.
+    Verify(Box<verify::VerifyArguments>),
     /// Look at, convert and make volumes.
     Volume(volume::VolumeArguments),
     /// Speed, as ratios and as fractions of the hardware's limit.

@@ -168,7 +168,7 @@ enum AcquisitionArgument {
     DoubleBuffer,
 }
 
-fn gradient(name: &str) -> Result<GradientMethod, String> {
+pub(super) fn gradient(name: &str) -> Result<GradientMethod, String> {
     let all = GradientMethod::ALL;
     let names = || all.map(|(_, name)| name).join(", ");
     all.iter()
@@ -205,7 +205,7 @@ impl RunArguments {
         if self.print_machine {
             return print(MachineSpec::COMMENTED_DEFAULT);
         }
-        self.keep_inputs()?;
+        keep_inputs(self.scene.as_deref(), &self.machine, &self.out)?;
         let stops = self.stops()?;
         let drawing = self.topology.as_deref().map(Drawing::of).transpose()?;
         let scene = self.scene()?;
@@ -291,23 +291,6 @@ impl RunArguments {
         Ok(Stops { trace, checkpoint, resume })
     }
 
-    /// The resolved scene and machine are written into the folder; they must not take the place of the files read.
-    fn keep_inputs(&self) -> Outcome<()> {
-        let machine = PathBuf::from(&self.machine);
-        for (input, name) in [(self.scene.as_ref(), "scene.toml"), (Some(&machine), "machine.toml")] {
-            let Some(Ok(input)) = input.map(std::fs::canonicalize) else {
-                continue;
-            };
-            if self.out.join(name).canonicalize().is_ok_and(|output| output == input) {
-                let place = input.display();
-                return Err(Problem::new(format!(
-                    "{place} is read, and would be written over; give another folder with --out"
-                )));
-            }
-        }
-        Ok(())
-    }
-
     fn scene(&self) -> Outcome<Scene> {
         let mut scene = inputs::scene(self.scene.as_deref())?;
         if !self.volume.is_empty() {
@@ -390,6 +373,22 @@ impl RunArguments {
         machine.check(&self.machine)?;
         Ok(machine)
     }
+}
+
+/// The resolved scene and machine are written into the folder; they must not take the place of the files read.
+pub(super) fn keep_inputs(scene: Option<&std::path::Path>, machine: &str, out: &std::path::Path) -> Outcome<()> {
+    for (input, name) in [(scene, "scene.toml"), (Some(std::path::Path::new(machine)), "machine.toml")] {
+        let Some(Ok(input)) = input.map(std::fs::canonicalize) else {
+            continue;
+        };
+        if out.join(name).canonicalize().is_ok_and(|output| output == input) {
+            let place = input.display();
+            return Err(Problem::new(format!(
+                "{place} is read, and would be written over; give another folder with --out"
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// Prints to standard output; a reader that has gone away is no problem.

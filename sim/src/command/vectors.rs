@@ -126,7 +126,7 @@ pub struct VectorsArguments {
     #[arg(long)]
     testbench: bool,
     /// Folder for the files.
-    #[arg(long, value_name = "DIR", default_value = "vectors")]
+    #[arg(long, value_name = "DIR", default_value = "out/vectors")]
     out: PathBuf,
 }
 

@@ -2,6 +2,7 @@
 
 use super::run::print;
 use super::vectors::{UnitArguments, unit, write_vectors};
+use super::words::WordsArguments;
 use crate::output::write_whole;
 use crate::problem::{Outcome, Problem};
 use clap::Args;
@@ -27,9 +28,14 @@ pub struct VerifyArguments {
     /// Run a device under test and compare what it answers: %i is the vector file, %o the file for the answers, %d the folder of both.
     #[arg(long, value_name = "COMMAND")]
     dut: Option<String>,
-    /// Folder for vectors, answers and the waveform of a mismatch.
-    #[arg(long, value_name = "DIR", default_value = "verify")]
+    /// Folder for vectors, answers and the waveform of a mismatch, or for the study of word lengths.
+    #[arg(long, value_name = "DIR", default_value = "out/verify", default_value_if("words", "true", "out/words"))]
     out: PathBuf,
+    /// The study of word lengths: error of picture and gradients, and cost, against the length of each word.
+    #[arg(long, conflicts_with_all = ["unit", "format", "set", "vectors", "against", "dut"])]
+    words: bool,
+    #[command(flatten)]
+    study: WordsArguments,
 }
 
 impl VerifyArguments {
@@ -38,6 +44,9 @@ impl VerifyArguments {
     /// # Errors
     /// A mismatch, and what else went wrong, in words.
     pub fn execute(self) -> Outcome<()> {
+        if self.words {
+            return self.study.execute(&self.unit.machine, &self.out);
+        }
         if self.against.is_none() && self.dut.is_none() {
             if let Some(file) = &self.vectors {
                 let file = file.display();
