@@ -7,14 +7,7 @@ module cube3_bus #(
     parameter integer VOXEL_BITS = 16,
     parameter integer LANES = 8
 ) (
-    // A rotation does not depend on them.
-    // verilator lint_off UNUSEDSIGNAL
-    input  wire [11:0]                 plane,
-    // verilator lint_on UNUSEDSIGNAL
     input  wire [11:0]                 row,
-    // verilator lint_off UNUSEDSIGNAL
-    input  wire [11:0]                 depth,
-    // verilator lint_on UNUSEDSIGNAL
     input  wire [11:0]                 column,
     input  wire [LANES*VOXEL_BITS-1:0] voxel,
     output wire [11:0]                 rotation,

@@ -17,9 +17,7 @@ module cube3_cfb #(
     input  wire [11:0] x,
     input  wire [11:0] y,
     input  wire [11:0] z,
-    // A keyword of SystemVerilog, so the name is escaped; Verilator renames it in C++.
-    // verilator lint_off SYMRSVDWORD
-    output wire [11:0] \module ,
+    output wire [11:0] module_number,
     // verilator lint_on SYMRSVDWORD
     output wire [35:0] address
 );
@@ -66,7 +64,7 @@ module cube3_cfb #(
     wire [35:0] wide_z = {24'd0, z};
 
     wire [35:0] sum = 36'(A) * wide_x + 36'(B) * wide_y + 36'(C) * wide_z;
-    assign \module  = 12'(sum % 36'(LANES));
+    assign module_number = 12'(sum % 36'(LANES));
 
     // Which of its module's words of a row the voxel is.
     wire [35:0] word = wide_x / 36'(LANES) * 36'(DEPTH) + wide_x % 36'(LANES) / 36'(SPREAD);

@@ -20,12 +20,9 @@ module cube3_classify #(
 ) (
     input  wire [VOXEL_BITS+SAMPLE_FRACTION_BITS-1:0]     sample,
     input  wire [GRADIENT_BITS+KEPT_BITS:0]               magnitude,
-    // A keyword of SystemVerilog, so the name is escaped; Verilator renames it in C++. Few classes need few of its bits.
-    // verilator lint_off SYMRSVDWORD
     // verilator lint_off UNUSEDSIGNAL
-    input  wire [3:0]                                     \class ,
+    input  wire [3:0]                                     length_class,
     // verilator lint_on UNUSEDSIGNAL
-    // verilator lint_on SYMRSVDWORD
     input  wire [2*(VOXEL_BITS+SAMPLE_FRACTION_BITS)-1:0] threshold,
     input  wire [4:0]                                     row_shift,
     output wire                                           visible,
@@ -63,7 +60,7 @@ module cube3_classify #(
     wire [R-1:0] far_row = R'(magnitude) >> row_shift;
     wire [N-1:0] row = far_row > LAST ? N'(LAST) : N'(far_row);
     // The row and the class lie above the index: no adders, as their numbers are powers of two.
-    wire [A-1:0] address = A'(index) | A'(row) << TABLE_BITS | A'(\class ) << (TABLE_BITS + $clog2(ROWS));
+    wire [A-1:0] address = A'(index) | A'(row) << TABLE_BITS | A'(length_class) << (TABLE_BITS + $clog2(ROWS));
 
     assign visible = !(sample < threshold[0 +: S] || sample > threshold[S +: S]);
     assign opacity = visible ? opacities[address] : O'(0);

@@ -11,12 +11,11 @@ module cube3_clip (
     input  wire signed [39:0] step_v,
     input  wire signed [39:0] step_k,
     input  wire signed [53:0] constant,
-    // A keyword of SystemVerilog, so the name is escaped.
-    output wire               \inside 
+    output wire               kept
 );
     // Three products of 53 bits and a sign, and a constant of as many.
     localparam integer P = 56;
     wire signed [P-1:0] value = P'(u) * P'(step_u) + P'(v) * P'(step_v) + P'(k) * P'(step_k) + P'(constant);
 
-    assign \inside  = !value[P-1];
+    assign kept = !value[P-1];
 endmodule

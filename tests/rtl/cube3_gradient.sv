@@ -26,8 +26,7 @@ module cube3_gradient #(
     input  wire [27*(VOXEL_BITS+SAMPLE_FRACTION_BITS)-1:0] s,
     input  wire [2*(WEIGHT_BITS+1)-1:0]                    here,
     input  wire [2*(WEIGHT_BITS+1)-1:0]                    behind,
-    // A keyword of SystemVerilog, so the name is escaped.
-    input  wire [2*(WEIGHT_BITS+1)-1:0]                    \before ,
+    input  wire [2*(WEIGHT_BITS+1)-1:0]                    ahead,
     input  wire [1:0]                                      mirrored,
     input  wire [3*17-1:0]                                 factor,
     input  wire [16:0]                                     nearness,
@@ -151,7 +150,7 @@ module cube3_gradient #(
                     // The slice, and the rays and planes next to the sample's.
                     localparam integer K = i == 0 ? 0 : 2;
                     localparam integer N = i == 0 ? 2 : 0;
-                    wire [2*W1-1:0] weights = i == 0 ? \before : behind;
+                    wire [2*W1-1:0] weights = i == 0 ? ahead : behind;
                     wire [S-1:0] near_v;
                     wire [S-1:0] far_v;
                     cube3_lerp #(

@@ -1,6 +1,7 @@
 //! Random machines, scenes and volumes for the tests that cross crates, and the tools that the hardware's tests run.
 
 pub mod rtl;
+pub mod rtl_vectors;
 
 use cube3_host::{
     Abc, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, GradientMethod, HostLink, Layout,

@@ -12,7 +12,12 @@ const MOST_WORDS: usize = 1 << 22;
 /// Lines of a vector file's header before the one that counts its lines.
 const COUNT_LINE: usize = 5;
 
-/// The text of a bench `<module>_tb` for a format.
+/// The name of a unit's bench.
+pub fn name(sheet: &Sheet) -> String {
+    format!("cube3_{}_tb", sheet.name.replace('-', "_"))
+}
+
+/// The text of a unit's bench for a format.
 ///
 /// # Errors
 /// An expression of the sheet without a value.
@@ -20,6 +25,7 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
     let fields = [Sheet::fields(&sheet.inputs, format)?, Sheet::fields(&sheet.outputs, format)?];
     let [inputs, outputs] = &fields;
     let (module, further) = sheet.rtl();
+    let bench = name(sheet);
     let counted = if sheet.clocked { "cycles" } else { "transactions" };
     let widest = inputs.iter().chain(outputs).map(|field| field.bits).max().unwrap_or(1);
     let (count_in, count) = (inputs.len(), inputs.len() + outputs.len());
@@ -37,7 +43,7 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
         "// cube3 vectors --unit {} --testbench. +in=FILE: vectors; +out=FILE: where the answers go.",
         sheet.name
     );
-    let _ = writeln!(t, "module {module}_tb;");
+    let _ = writeln!(t, "module {bench};");
     let _ = writeln!(t, "    localparam integer FIELDS = {count};\n    localparam integer WORDS = {MOST_WORDS};\n");
     for (port, of) in sheet.inputs.iter().enumerate() {
         let _ = writeln!(t, "    reg [{}:0] {};", bits(inputs, port) - 1, of.name);
@@ -52,6 +58,7 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
     if sheet.clocked {
         let _ = writeln!(t, "    reg clk, rst;");
     }
+    let _ = writeln!(t, "    reg drive;");
     let mut parameters: Vec<String> = format
         .settings()
         .into_iter()
@@ -75,13 +82,34 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
         parameters.join(", "),
         connections.join(",\n        ")
     );
+    let place = |t: &mut String, prefix: &str, becomes: &str, fields: &[Field], ports: &[crate::Port], first: usize| {
+        let mut low = 0;
+        for (i, field) in fields.iter().enumerate() {
+            if i > 0 && fields[i - 1].port != field.port {
+                low = 0;
+            }
+            let name = ports[field.port].name;
+            let high = field.bits - 1;
+            let _ = writeln!(
+                t,
+                "            {prefix}{name}[{low} +: {}] {becomes} words[line * FIELDS + {}][{high}:0];",
+                field.bits,
+                first + i
+            );
+            low += field.bits;
+        }
+    };
+    let _ = writeln!(t, "\n    always @(posedge drive) begin");
+    place(&mut t, "", "<=", inputs, &sheet.inputs, 0);
+    let _ = writeln!(t, "    end");
     let _ = writeln!(
         t,
         "
     initial begin
         lines = -1;
+        drive = 0;
         if (!$value$plusargs(\"in=%s\", path)) begin
-            $display(\"{module}_tb: +in=FILE is missing: the vectors\");
+            $display(\"{bench}: +in=FILE is missing: the vectors\");
         end else begin
             file = $fopen(path, \"r\");
             skip = {COUNT_LINE};
@@ -92,7 +120,7 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
             end
             if (skip != 0 || $fscanf(file, \"// {counted} %d\", lines) != 1) lines = -1;
             if (lines * FIELDS > WORDS) lines = -1;
-            if (lines < 0) $display(\"{module}_tb: no vectors with at most %0d lines in %0s\", WORDS / FIELDS, path);
+            if (lines < 0) $display(\"{bench}: no vectors with at most %0d lines in %0s\", WORDS / FIELDS, path);
         end
         if (lines < 0) $finish;
         else begin
@@ -105,25 +133,9 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
         let _ = writeln!(t, "        rst = 1; clk = 0; #1 clk = 1; #1 clk = 0; rst = 0;");
     }
     let _ = writeln!(t, "        for (line = 0; line < lines; line = line + 1) begin");
-    let mut place = |prefix: &str, fields: &[Field], ports: &[crate::Port], first: usize| {
-        let mut low = 0;
-        for (i, field) in fields.iter().enumerate() {
-            if i > 0 && fields[i - 1].port != field.port {
-                low = 0;
-            }
-            let name = ports[field.port].name;
-            let high = field.bits - 1;
-            let _ = writeln!(
-                t,
-                "            {prefix}{name}[{low} +: {}] = words[line * FIELDS + {}][{high}:0];",
-                field.bits,
-                first + i
-            );
-            low += field.bits;
-        }
-    };
-    place("", inputs, &sheet.inputs, 0);
-    place("expected_", outputs, &sheet.outputs, count_in);
+    // Inputs change at the edge of `drive`.
+    let _ = writeln!(t, "            #1 drive = 1; #1 drive = 0;");
+    place(&mut t, "expected_", "=", outputs, &sheet.outputs, count_in);
     let _ = writeln!(t, "            #1;");
     let mut slices = Vec::new();
     let mut low = 0;

@@ -160,9 +160,8 @@ impl VectorsArguments {
             let coverage = vectors.coverage(unit.as_ref())?;
             write_vectors(&self.out, &vectors)?;
             if self.testbench {
-                let (module, _) = vectors.sheet.rtl();
-                let text = testbench::text(&vectors.sheet, &format)?;
-                write_whole(&self.out.join(format!("{module}_tb.sv")), text.as_bytes())?;
+                let name = testbench::name(&vectors.sheet) + ".sv";
+                write_whole(&self.out.join(name), testbench::text(&vectors.sheet, &format)?.as_bytes())?;
             }
             print(&covered(&self.out, &vectors, &coverage))?;
         }
