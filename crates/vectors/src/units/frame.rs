@@ -38,10 +38,10 @@ pub fn coloured(colour: [u32; 3], words: &Words) -> FrameSetup {
     }
 }
 
-/// The colour of a sample 0 of a frame, whose neighbour along u is 1 voxel, and how many words were saturated.
+/// The colour of a sample 0 of a frame, with a gradient of 1 along u, and how many words were saturated.
 pub fn shaded(setup: &FrameSetup) -> ([u32; 3], u64) {
     let mut out = ShadedRow { present: vec![1], ..ShadedRow::default() };
-    let samples = [[0], [unit_full(setup.words.sample_bits()) as i32]];
+    let samples = [[0], [1 << setup.words.gradient_drop()]];
     let neighbour = |w: usize, v: usize, u: usize| samples[usize::from([w, v, u] == [1, 1, 2])].as_slice();
     AbcLanes::new(setup, true).shade(1, neighbour, |_| [0; 3], &setup.geometry, &mut out);
     ([0, 1, 2].map(|i| out.colour[i][0]), out.overflows)

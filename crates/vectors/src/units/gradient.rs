@@ -325,6 +325,69 @@ fn is_parallel(local: &Local) -> bool {
     alike && local.mirrored == [false; 2] && local.nearness == Some(ONE)
 }
 
+/// A line with the same weights on all planes.
+fn corner(samples: [i128; 27], weights: [i128; 2], factors: [i128; 3], nearness: i128) -> Vec<i128> {
+    [samples.to_vec(), [weights; 3].concat(), vec![0; 2], factors.to_vec(), vec![nearness]].concat()
+}
+
+/// Samples by their displacement along u, v and w, each −1 to 1.
+fn samples(of: impl Fn([i32; 3]) -> i128) -> [i128; 27] {
+    std::array::from_fn(|i| of([i % 3, i / 3 % 3, i / 9].map(|at| at as i32 - 1)))
+}
+
+/// Samples of parallel frames, which have lanes of their own.
+fn parallel(format: &Format) -> Vec<Vec<i128>> {
+    let mut noise = Noise::new(1);
+    let top = format.value_of("M").unwrap_or_default();
+    let weight = 1 << format.words.weight_bits;
+    let mut line = |_| {
+        let samples = std::array::from_fn(|_| noise.up_to(top));
+        let weights = std::array::from_fn(|_| noise.up_to(weight));
+        corner(samples, weights, std::array::from_fn(|_| noise.up_to(ONE.into())), ONE.into())
+    };
+    (0..16).map(&mut line).collect()
+}
+
+/// Each component furthest from 0 and a whole number of its words; what u and v together, and what is left of the ray without
+/// them, are furthest from 0: where no field alone leads, as a weight of 0 hides the differences that it weighs.
+fn extremes(format: &Format) -> Vec<Vec<i128>> {
+    let top = format.value_of("M").unwrap_or_default();
+    let weight = 1 << format.words.weight_bits;
+    let near = |at: i32| 2 - at.abs();
+    let across = |[u, v, w]: [i32; 3]| near(w) * (near(v) * u + near(u) * v);
+    let left = |at: [i32; 3]| near(at[0]) * near(at[1]) * at[2] - across(at);
+    let line = |size: i128, weight: i128, part: &dyn Fn([i32; 3]) -> i32| {
+        let samples = samples(|at| if part(at) > 0 { size } else { 0 });
+        corner(samples, [weight; 2], [ONE.into(); 3], ONE.into())
+    };
+    let mut lines = Vec::new();
+    for sign in [-1, 1] {
+        lines.push(line(top, weight, &|at| sign * across(at)));
+        lines.push(line(top, weight, &|at| sign * left(at)));
+        for axis in 0..3 {
+            lines.push(line(top, 0, &|at| sign * at[axis]));
+            lines.push(line(1 << format.words.gradient_drop(), 0, &|at| sign * at[axis]));
+        }
+    }
+    lines
+}
+
+/// Differences of 1 and −1 with factors, and with a nearness, that leave a half.
+fn ties(format: &Format) -> Vec<Vec<i128>> {
+    let half = i128::from(ONE / 2);
+    let mut lines = Vec::new();
+    for side in [-1, 1] {
+        let faces =
+            samples(|at| i128::from(at.iter().sum::<i32>() == side && at.iter().filter(|x| **x != 0).count() == 1));
+        let corners = samples(|at| i128::from(at == [side; 3]));
+        for samples in [faces, corners] {
+            lines.push(corner(samples, [0; 2], [half >> format.kept_bits; 3], ONE.into()));
+            lines.push(corner(samples, [0; 2], [ONE.into(); 3], half));
+        }
+    }
+    lines
+}
+
 impl Unit for Gradient {
     fn sheet(&self) -> Sheet {
         let [name, title, parameters] = self.names();
@@ -375,19 +438,8 @@ impl Unit for Gradient {
         [g, overflow].concat()
     }
 
-    /// Samples of parallel frames, which have lanes of their own.
     fn corners(&self, format: &Format) -> Vec<Vec<i128>> {
-        let mut noise = Noise::new(1);
-        let top = format.value_of("M").unwrap_or_default();
-        let one = 1 << format.words.weight_bits;
-        let mut line = |_| {
-            let samples: Vec<i128> = (0..27).map(|_| noise.up_to(top)).collect();
-            let weights = [noise.up_to(one), noise.up_to(one)];
-            let factors: Vec<i128> = (0..3).map(|_| noise.up_to(ONE.into())).collect();
-            let weights = [weights; 3].concat();
-            [samples, weights, vec![0; 2], factors, vec![ONE.into()]].concat()
-        };
-        (0..16).map(&mut line).collect()
+        [parallel(format), extremes(format), ties(format)].concat()
     }
 
     /// Words as wide as differences, and with the most bits that a scale keeps.

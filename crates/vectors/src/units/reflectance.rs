@@ -83,16 +83,22 @@ impl Unit for Reflectance {
         let low = -(1 << (format.words.gradient_bits + format.kept_bits - 1));
         let high = -low - 1;
         let flat = noise.up_to((16 << format.words.colour_bits) - 1);
-        let places = [low, 0, high];
+        let places = [low, -high, 0, high];
         let edges = places.into_iter().flat_map(|u| places.into_iter().flat_map(move |v| places.map(|w| [u, v, w])));
         edges.map(|[u, v, w]| vec![u, v, w, flat]).collect()
     }
 
-    /// Small tables, as narrow gradients reach few entries; the default; what a scale keeps.
+    /// Small tables, as narrow gradients reach few entries; the default; what a scale keeps. With one bit of colour every line of the
+    /// narrow words can be tried.
     fn formats(&self) -> Vec<Format> {
         let room =
             |format: &Format| GradientScale::FACTOR_BITS.min(GradientScale::room(GradientMethod::Six, &format.words));
-        let small = word_formats().into_iter().take(5).map(|format| Format { reflectance_bits: 2, ..format });
+        let small = word_formats().into_iter().take(5).map(|mut format| {
+            if format.words.gradient_bits == 4 {
+                format.words.colour_bits = 1;
+            }
+            Format { reflectance_bits: 2, ..format }
+        });
         let default = Format::default();
         small.chain([default, Format { kept_bits: room(&default), reflectance_bits: 4, ..default }]).collect()
     }
