@@ -281,6 +281,7 @@ pub fn normalise_wires(gradient: [i32; 3], table: &Normaliser, words: &Words, pr
     show(probe, "unit", unit);
     show(probe, "direction", direction);
     probe.wire("length", 0, length.into());
+    probe.wire("aligned", 0, (length << (31 - zeros)).into());
     probe.wire("magnitude", 0, magnitude.into());
     Normal { direction, magnitude }
 }

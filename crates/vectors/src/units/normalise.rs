@@ -1,8 +1,9 @@
 //! The normaliser: direction and length of a gradient.
 
+use super::contents::Noise;
 use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Table, Tables, Unit, Wire, word_formats};
-use cube3_abc::golden::normalise_wires;
+use cube3_abc::golden::{normalise, normalise_wires};
 use cube3_abc::lanes::normalise_rows;
 use cube3_host::{GradientMethod, GradientScale, Normaliser};
 use cube3_word::Rounding;
@@ -13,6 +14,23 @@ pub struct Normalise;
 /// The table as the unit crates hold it.
 fn table(format: &Format, tables: &Tables) -> Normaliser {
     Normaliser { root: tables[0].iter().map(|&entry| entry as u32).collect(), root_bits: format.root_bits }
+}
+
+/// Gradients of which a block holds all, so that their length is rounded; the last, whose length, the product with its direction,
+/// lies halfway between two words.
+fn small(format: &Format, table: &Normaliser) -> Vec<Vec<i128>> {
+    let one_bits = format.words.normal_bits - 1;
+    let mut noise = Noise::new(5);
+    let top = (1 << one_bits.min(format.words.gradient_bits + format.kept_bits - 1)) - 1;
+    let mut gradient = || [0; 3].map(|_: i32| noise.up_to(2 * top) as i32 - top as i32);
+    let tied = |gradient: &[i32; 3]| {
+        let direction = normalise(*gradient, table, &format.words).direction;
+        let length: i64 = gradient.iter().zip(direction).map(|(g, d)| i64::from(*g) * i64::from(d)).sum();
+        length & ((1 << one_bits) - 1) == 1 << (one_bits - 1)
+    };
+    let mut lines: Vec<[i32; 3]> = (0..32).map(|_| gradient()).collect();
+    lines.extend((0..1 << 20).map(|_| gradient()).find(tied));
+    lines.into_iter().map(|gradient| gradient.map(i128::from).to_vec()).collect()
 }
 
 impl Unit for Normalise {
@@ -62,7 +80,10 @@ impl Unit for Normalise {
                 )
                 .times("3"),
                 Wire::new("length", "sum of block · unit", "0", "2^(2 * B)").loose(),
-                Wire::new("magnitude", "length · 2^(highest + 2 − 2B), rounded to nearest", "0", "2^G").loose(),
+                Wire::new("aligned", "length · 2^highest", "0", "2^(2 * B + G - 1)").loose(),
+                Wire::new("magnitude", "aligned / 2^(2B − 2), rounded to nearest", "0", "2^G")
+                    .loose()
+                    .made_by(Kind::Rounded { of: "aligned", bits: "2 * B - 2" }),
             ],
             outputs: vec![
                 Port::signed("direction", "B + 1", "components of the direction, fractions of B − 1 bits")
@@ -115,6 +136,7 @@ impl Unit for Normalise {
             (a * table.root[index]) & ((1 << bits) - 1) == 1 << (bits - 1)
         });
         lines.extend(tie.map(|[a, c]| vec![word(a), -word(c), 0]));
+        lines.extend(small(format, &table));
         lines
     }
 
