@@ -128,7 +128,9 @@ pub fn local_gradient_wires(
             let dropped = words.rounding.shift_right(scaled, words.gradient_drop() + extra);
             let (word, saturated) = saturate(dropped, words.gradient_bits + kept);
             probe.wire("difference", 0, differences[i].into());
-            probe.wire("turned", 0, turned.into());
+            if i < 2 {
+                probe.wire("turned", 0, turned.into());
+            }
             probe.wire("scaled", 0, scaled.into());
             probe.wire("dropped", 0, dropped.into());
             probe.wire("word", 0, word.into());

@@ -14,14 +14,13 @@ pub struct Gradient(pub GradientMethod);
 /// One, of factors and nearness.
 const ONE: u32 = 1 << GradientScale::FACTOR_BITS;
 
-/// The wires of a component from its difference, within ± `reach`, to its word.
+/// The wires of a component from `from`, within ± `reach`, to its word.
 macro_rules! component {
-    ($part:literal, $count:literal, $reach:literal, $drop:literal) => {
+    ($part:literal, $count:literal, $from:literal, $reach:literal, $drop:literal) => {
         [
-            Wire::new("turned", "difference, negated in the mirror", concat!("-(", $reach, ")"), $reach),
             Wire::new(
                 "product",
-                "turned · factor",
+                concat!($from, " · factor"),
                 concat!("-(", $reach, ") * 2^16"),
                 concat!("(", $reach, ") * 2^16"),
             ),
@@ -32,13 +31,8 @@ macro_rules! component {
                 concat!("(", $reach, ") * 2^K"),
             )
             .made_by(Kind::Rounded { of: "product", bits: "16 - K" }),
-            Wire::new(
-                "dropped",
-                concat!("scaled / 2^(", $drop, "), rounded"),
-                low!($reach, $drop),
-                high!($reach, $drop),
-            )
-            .made_by(Kind::Rounded { of: "scaled", bits: $drop }),
+            Wire::new("dropped", concat!("scaled / 2^", $drop, ", rounded"), low!($reach, $drop), high!($reach, $drop))
+                .made_by(Kind::Rounded { of: "scaled", bits: $drop }),
             Wire::new(
                 "word",
                 "dropped, held in G bits",
@@ -55,14 +49,14 @@ macro_rules! component {
 /// The lowest value of a difference within ± `reach` behind the factor and without its lowest bits.
 macro_rules! low {
     ($reach:literal, $drop:literal) => {
-        concat!("(-(", $reach, ") * 2^K + NEAREST * (2^(", $drop, ") / 2)) / 2^(", $drop, ")")
+        concat!("(-(", $reach, ") * 2^K + NEAREST * (2^", $drop, " / 2)) / 2^", $drop)
     };
 }
 
 /// The highest.
 macro_rules! high {
     ($reach:literal, $drop:literal) => {
-        concat!("((", $reach, ") * 2^K + NEAREST * (2^(", $drop, ") / 2)) / 2^(", $drop, ")")
+        concat!("((", $reach, ") * 2^K + NEAREST * (2^", $drop, " / 2)) / 2^", $drop)
     };
 }
 
@@ -159,10 +153,11 @@ impl Gradient {
                 "Differences of the six neighbours on the grid of rays.",
                 [
                     across(difference!("difference", "the next sample − the one before", "M")),
-                    component!("across", "2", "M", "D"),
+                    across(difference!("turned", "difference, negated in the mirror", "M")),
+                    component!("across", "2", "turned", "M", "D"),
                     nearness!("the sample behind − the one before", "M"),
                     along(difference!("difference", "near", "M")),
-                    component!("along", "1", "M", "D"),
+                    component!("along", "1", "difference", "M", "D"),
                 ]
                 .concat(),
                 overflows!("M", "D"),
@@ -173,13 +168,14 @@ impl Gradient {
                 [
                     vec![pair],
                     across(difference!("difference", "the pairs by 4, 2, 1", "16 * M")),
-                    component!("across", "2", "16 * M", "D + 4"),
+                    across(difference!("turned", "difference, negated in the mirror", "16 * M")),
+                    component!("across", "2", "turned", "16 * M", "(D + 4)"),
                     nearness!("the pairs by 4, 2, 1", "16 * M"),
                     along(difference!("difference", "near", "16 * M")),
-                    component!("along", "1", "16 * M", "D + 4"),
+                    component!("along", "1", "difference", "16 * M", "(D + 4)"),
                 ]
                 .concat(),
-                overflows!("16 * M", "D + 4"),
+                overflows!("16 * M", "(D + 4)"),
             ),
             GradientMethod::Ten | GradientMethod::TenNormalised => (
                 "Differences of the feet of the perpendiculars from the sample onto its four neighbour rays, and along the ray. It serves \
@@ -187,9 +183,10 @@ impl Gradient {
                 [
                     lerp_wires("foot", "4").to_vec(),
                     across(difference!("difference", "foot right − left; below − above", "M")),
-                    component!("across", "2", "M", "D"),
+                    across(difference!("turned", "difference, negated in the mirror", "M")),
+                    component!("across", "2", "turned", "M", "D"),
                     along(difference!("difference", "the sample behind − the one before", "M")),
-                    component!("along", "1", "M", "D"),
+                    component!("along", "1", "difference", "M", "D"),
                 ]
                 .concat(),
                 overflows!("M", "D"),
@@ -200,10 +197,11 @@ impl Gradient {
                     lerp_wires("along_u", "4").to_vec(),
                     lerp_wires("along_v", "2").to_vec(),
                     across(difference!("difference", "the next sample − the one before", "M")),
-                    component!("across", "2", "M", "D"),
+                    across(difference!("turned", "difference, negated in the mirror", "M")),
+                    component!("across", "2", "turned", "M", "D"),
                     nearness!("straight behind − straight before", "M"),
                     along(difference!("difference", "near", "M")),
-                    component!("along", "1", "M", "D"),
+                    component!("along", "1", "difference", "M", "D"),
                 ]
                 .concat(),
                 overflows!("M", "D"),
@@ -213,11 +211,12 @@ impl Gradient {
                  away.",
                 [
                     across(difference!("difference", "the next sample − the one before", "M")),
-                    component!("across", "2", "M", "D"),
+                    across(difference!("turned", "difference, negated in the mirror", "M")),
+                    component!("across", "2", "turned", "M", "D"),
                     nearness!("the sample behind − the one before", "M"),
                     shear!("M", "2 * M"),
                     along(difference!("difference", "near − shear", "3 * M")),
-                    component!("along", "1", "3 * M", "D"),
+                    component!("along", "1", "difference", "3 * M", "D"),
                 ]
                 .concat(),
                 overflows!("3 * M", "D"),
@@ -229,14 +228,15 @@ impl Gradient {
                 [
                     vec![pair],
                     across(difference!("difference", "the pairs by 4, 2, 1", "16 * M")),
-                    component!("across", "2", "16 * M", "D + 4"),
+                    across(difference!("turned", "difference, negated in the mirror", "16 * M")),
+                    component!("across", "2", "turned", "16 * M", "(D + 4)"),
                     nearness!("the pairs by 4, 2, 1", "16 * M"),
                     shear!("16 * M", "24 * M"),
                     along(difference!("difference", "near − shear", "30 * M")),
-                    component!("along", "1", "30 * M", "D + 4"),
+                    component!("along", "1", "difference", "30 * M", "(D + 4)"),
                 ]
                 .concat(),
-                overflows!("30 * M", "D + 4"),
+                overflows!("30 * M", "(D + 4)"),
             ),
         }
     }

@@ -19,7 +19,7 @@ impl Unit for Reflectance {
             purpose: "Light on a sample by the direction of its gradient: the face of a cube that it points at, of the largest component \
                       (u before v before w where equal), and on it the two others, next in the order u, v, w, u, divided by the largest. \
                       A gradient of 0 has the light `flat` and no highlight.",
-            source: "Van Scoy et al. 1994 in Pfister et al. 1995, section 4; `cube3_abc::golden::reflectance`",
+            source: "Pfister et al. 1995, section 4, shading by lookup tables; `cube3_abc::golden::reflectance`",
             parameters: &["gradient_bits", "kept_bits", "colour_bits", "reflectance_bits"],
             module: None,
             inputs: vec![
