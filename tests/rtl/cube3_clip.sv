@@ -7,14 +7,14 @@ module cube3_clip (
     input  wire signed [13:0] u,
     input  wire signed [13:0] v,
     input  wire signed [13:0] k,
-    input  wire signed [39:0] step_u,
-    input  wire signed [39:0] step_v,
-    input  wire signed [39:0] step_k,
-    input  wire signed [53:0] constant,
+    input  wire signed [33:0] step_u,
+    input  wire signed [33:0] step_v,
+    input  wire signed [34:0] step_k,
+    input  wire signed [61:0] constant,
     output wire               kept
 );
-    // Three products of 53 bits and a sign, and a constant of as many.
-    localparam integer P = 56;
+    // Three products of 49 bits and a constant of 62.
+    localparam integer P = 64;
     wire signed [P-1:0] value = P'(u) * P'(step_u) + P'(v) * P'(step_v) + P'(k) * P'(step_k) + P'(constant);
 
     assign kept = !value[P-1];

@@ -1,10 +1,10 @@
 //! Gradient, classification and shading of one sample. The definition.
 
 use cube3_host::{
-    Classification, DiscreteRay, FrameSetup, GradientMethod, GradientRegisters, GradientScale, LinearFactor,
-    Normaliser, Phong, RayRegisters, ReflectanceTable, Shading,
+    Classification, DiscreteRay, FrameSetup, GradientMethod, GradientRegisters, GradientRows, GradientScale,
+    LinearFactor, Normaliser, Phong, RayRegisters, ReflectanceTable, Shading,
 };
-use cube3_word::{Words, lerp, saturate, unit_full};
+use cube3_word::{Probe, Words, lerp_wires, saturate, unit_full};
 use serde::{Deserialize, Serialize};
 
 /// The sample and its 26 neighbours, `[w][v][u]` with the sample itself at `[1][1][1]`: w along the ray, v from
@@ -18,6 +18,19 @@ pub struct Counted<T> {
     pub value: T,
     /// Saturated words.
     pub overflows: u32,
+}
+
+/// Counts the words that were saturated.
+fn counted<T>(words: [(T, bool); 3]) -> Counted<[T; 3]> {
+    let overflows = words.iter().map(|(_, saturated)| u32::from(*saturated)).sum();
+    Counted { value: words.map(|(word, _)| word), overflows }
+}
+
+/// Shows a row of wires.
+fn show<T: Into<i128>>(probe: &mut impl Probe, name: &'static str, values: impl IntoIterator<Item = T>) {
+    for (place, value) in values.into_iter().enumerate() {
+        probe.wire(name, place, value.into());
+    }
 }
 
 /// What the gradient of a sample is weighted with: in a parallel frame the same for all, in perspective of its own ray and depth.
@@ -82,86 +95,143 @@ pub fn local_gradient(
     local: &Local,
     words: &Words,
 ) -> Counted<[i32; 3]> {
+    counted(local_gradient_wires(s, registers, local, words, &mut ()))
+}
+
+/// [`local_gradient`], whether each word was saturated, and what its wires carry: components u and v are the part `across`,
+/// w is `along`.
+pub fn local_gradient_wires(
+    s: &Neighbourhood,
+    registers: &GradientRegisters,
+    local: &Local,
+    words: &Words,
+    probe: &mut impl Probe,
+) -> [(i32, bool); 3] {
     let turn = |i: usize, mirrored: bool| if mirrored { 2 - i } else { i };
     let [mirror_u, mirror_v] = local.mirrored;
     let s = [0, 1, 2].map(|w| [0, 1, 2].map(|v| [0, 1, 2].map(|u| s[w][turn(v, mirror_v)][turn(u, mirror_u)])));
-    let (mut differences, extra) = differences(&s, registers.method, local, words);
-    for (difference, mirrored) in differences.iter_mut().zip(local.mirrored) {
-        *difference = if mirrored { -*difference } else { *difference };
-    }
+    let (differences, extra) = differences(&s, registers.method, local, words, probe);
     let kept = registers.scale.map_or(0, |scale| scale.kept_bits);
-    let mut overflows = 0;
-    let value = [0, 1, 2].map(|i| {
-        let scaled = match local.factors {
-            Some(factors) => {
-                let product = differences[i] * i64::from(factors[i]);
-                words.rounding.shift_right(product, GradientScale::FACTOR_BITS - kept)
+    [0, 1, 2].map(|i| {
+        let (part, place) = [("across", 0), ("across", 1), ("along", 0)][i];
+        probe.within(part, place, |probe| {
+            let mirrored = local.mirrored.get(i) == Some(&true);
+            let turned = if mirrored { -differences[i] } else { differences[i] };
+            let scaled = match local.factors {
+                Some(factors) => {
+                    let product = turned * i64::from(factors[i]);
+                    probe.wire("product", 0, product.into());
+                    words.rounding.shift_right(product, GradientScale::FACTOR_BITS - kept)
+                }
+                None => turned,
+            };
+            let dropped = words.rounding.shift_right(scaled, words.gradient_drop() + extra);
+            let (word, saturated) = saturate(dropped, words.gradient_bits + kept);
+            probe.wire("difference", 0, differences[i].into());
+            if i < 2 {
+                probe.wire("turned", 0, turned.into());
             }
-            None => differences[i],
-        };
-        let (word, saturated) =
-            saturate(words.rounding.shift_right(scaled, words.gradient_drop() + extra), words.gradient_bits + kept);
-        overflows += u32::from(saturated);
-        word
-    });
-    Counted { value, overflows }
+            probe.wire("scaled", 0, scaled.into());
+            probe.wire("dropped", 0, dropped.into());
+            probe.wire("word", 0, word.into());
+            (word, saturated)
+        })
+    })
 }
 
 /// Differences along u, v and w, and the bits by which their weights exceed 1.
-fn differences(s: &Neighbourhood, method: GradientMethod, local: &Local, words: &Words) -> ([i64; 3], u32) {
+fn differences(
+    s: &Neighbourhood,
+    method: GradientMethod,
+    local: &Local,
+    words: &Words,
+    probe: &mut impl Probe,
+) -> ([i64; 3], u32) {
     let [du, dv] = local.here;
-    let lerp = |near: i32, far: i32, weight: u32| i64::from(lerp(near, far, weight, words.weight_bits, words.rounding));
     let between = |far: i32, near: i32| i64::from(far) - i64::from(near);
-    let u = between(s[1][1][2], s[1][1][0]);
-    let v = between(s[1][2][1], s[1][0][1]);
-    // Where rays are less than a voxel apart, u and v are relative to their distance m, and so is the ray.
-    let near = |difference: i64| match local.nearness {
-        Some(nearness) => words.rounding.shift_right(difference * i64::from(nearness), GradientScale::FACTOR_BITS),
-        None => difference,
-    };
-    let ray = near(between(s[2][1][1], s[0][1][1]));
-    let shear = |d: [i64; 3]| {
-        let along = d[0] * i64::from(du) + d[1] * i64::from(dv);
-        [d[0], d[1], d[2] - words.rounding.shift_right(along, words.weight_bits)]
-    };
-    let weighted = || {
-        let [u, v, ray] = weighted(s);
-        [u, v, near(ray)]
-    };
+    let straight =
+        || [between(s[1][1][2], s[1][1][0]), between(s[1][2][1], s[1][0][1]), between(s[2][1][1], s[0][1][1])];
     match method {
-        GradientMethod::Six => ([u, v, ray], 0),
-        GradientMethod::SixSheared => (shear([u, v, ray]), 0),
-        GradientMethod::TwentySix => (weighted(), 4),
-        GradientMethod::TwentySixSheared => (shear(weighted()), 4),
+        GradientMethod::Six => (near(straight(), local, words, probe), 0),
+        GradientMethod::SixSheared => (shear(near(straight(), local, words, probe), local, words, probe), 0),
+        GradientMethod::TwentySix => (near(weighted(s, probe), local, words, probe), 4),
+        GradientMethod::TwentySixSheared => {
+            (shear(near(weighted(s, probe), local, words, probe), local, words, probe), 4)
+        }
         GradientMethod::Ten | GradientMethod::TenNormalised => {
+            let mut foot = |place, side: i32, on_ray: i32, weight| {
+                probe.within("foot", place, |probe| {
+                    lerp_wires(side, on_ray, weight, words.weight_bits, words.rounding, probe)
+                })
+            };
             // The foot of the perpendicular from a side ray lies towards the eye on the right, away on the left.
-            let right = lerp(s[1][1][2], s[0][1][2], du);
-            let left = lerp(s[1][1][0], s[2][1][0], du);
-            let below = lerp(s[1][2][1], s[0][2][1], dv);
-            let above = lerp(s[1][0][1], s[2][0][1], dv);
-            ([right - left, below - above, ray], 0)
+            let right = foot(0, s[1][1][2], s[0][1][2], du);
+            let left = foot(1, s[1][1][0], s[2][1][0], du);
+            let below = foot(2, s[1][2][1], s[0][2][1], dv);
+            let above = foot(3, s[1][0][1], s[2][0][1], dv);
+            let [_, _, ray] = straight();
+            (near([between(right, left), between(below, above), ray], local, words, probe), 0)
         }
         GradientMethod::Twelve => {
             // Straight behind the sample on slice k+1 lies between rays u−1 and u, v−1 and v; before it, the mirror image.
-            let bilinear = |slice: &[[i32; 3]; 3], v: usize, u: usize, [du, dv]: [u32; 2]| {
-                let near = lerp(slice[1][1], slice[1][u], du);
-                let far = lerp(slice[v][1], slice[v][u], du);
-                lerp(near as i32, far as i32, dv)
+            let mut bilinear = |number: usize, slice: &[[i32; 3]; 3], v: usize, u: usize, [du, dv]: [u32; 2]| {
+                let mut lerp = |part, place, near, far, weight| {
+                    probe.within(part, place, |probe| {
+                        lerp_wires(near, far, weight, words.weight_bits, words.rounding, probe)
+                    })
+                };
+                let near = lerp("along_u", 2 * number, slice[1][1], slice[1][u], du);
+                let far = lerp("along_u", 2 * number + 1, slice[v][1], slice[v][u], du);
+                lerp("along_v", number, near, far, dv)
             };
-            ([u, v, near(bilinear(&s[2], 0, 0, local.behind) - bilinear(&s[0], 2, 2, local.before))], 0)
+            let behind = bilinear(0, &s[2], 0, 0, local.behind);
+            let before = bilinear(1, &s[0], 2, 2, local.before);
+            let [u, v, _] = straight();
+            (near([u, v, between(behind, before)], local, words, probe), 0)
         }
     }
 }
 
+/// Where rays are less than a voxel apart, u and v are relative to their distance m, and so is the ray.
+fn near([u, v, ray]: [i64; 3], local: &Local, words: &Words, probe: &mut impl Probe) -> [i64; 3] {
+    let Some(nearness) = local.nearness else {
+        return [u, v, ray];
+    };
+    let product = ray * i64::from(nearness);
+    let near = words.rounding.shift_right(product, GradientScale::FACTOR_BITS);
+    probe.within("along", 0, |probe| {
+        probe.wire("straight", 0, ray.into());
+        probe.wire("near_product", 0, product.into());
+        probe.wire("near", 0, near.into());
+    });
+    [u, v, near]
+}
+
+/// What the ray's difference has of u and v is taken away.
+fn shear([u, v, ray]: [i64; 3], local: &Local, words: &Words, probe: &mut impl Probe) -> [i64; 3] {
+    let [du, dv] = local.here;
+    let products = [u * i64::from(du), v * i64::from(dv)];
+    let sum = products[0] + products[1];
+    let shear = words.rounding.shift_right(sum, words.weight_bits);
+    probe.within("along", 0, |probe| {
+        show(probe, "shear_product", products);
+        probe.wire("shear_sum", 0, sum.into());
+        probe.wire("shear", 0, shear.into());
+    });
+    [u, v, ray - shear]
+}
+
 /// Differences of the 26-neighbourhood with weights 4, 2, 1 by Manhattan distance: sixteen times those of one pair.
-fn weighted(s: &Neighbourhood) -> [i64; 3] {
+fn weighted(s: &Neighbourhood, probe: &mut impl Probe) -> [i64; 3] {
     let mut sums = [0; 3];
     for (a, first) in [1, 2, 1].into_iter().enumerate() {
         for (b, second) in [1, 2, 1].into_iter().enumerate() {
-            let weight = first * second;
-            sums[0] += weight * (i64::from(s[a][b][2]) - i64::from(s[a][b][0]));
-            sums[1] += weight * (i64::from(s[a][2][b]) - i64::from(s[a][0][b]));
-            sums[2] += weight * (i64::from(s[2][a][b]) - i64::from(s[0][a][b]));
+            let pairs = [[s[a][b][2], s[a][b][0]], [s[a][2][b], s[a][0][b]], [s[2][a][b], s[0][a][b]]];
+            for (axis, [far, near]) in pairs.into_iter().enumerate() {
+                let pair = i64::from(far) - i64::from(near);
+                probe.wire("pair", 9 * axis + 3 * a + b, pair.into());
+                sums[axis] += first * second * pair;
+            }
         }
     }
     sums
@@ -179,21 +249,43 @@ pub struct Normal {
 /// Normalises a gradient: a block shift brings its largest component to `normal_bits` B, and a table of reciprocal
 /// roots over the squared length, `2^(2B−2)` to `3·2^(2B)`, does the rest. Odd in every component.
 pub fn normalise(gradient: [i32; 3], table: &Normaliser, words: &Words) -> Normal {
+    normalise_wires(gradient, table, words, &mut ())
+}
+
+/// [`normalise`], and what its wires carry.
+pub fn normalise_wires(gradient: [i32; 3], table: &Normaliser, words: &Words, probe: &mut impl Probe) -> Normal {
     let bits = words.normal_bits;
     let sizes = gradient.map(i32::unsigned_abs);
     let largest = sizes[0] | sizes[1] | sizes[2];
+    show(probe, "size", sizes);
     if largest == 0 {
         return Normal { direction: [0; 3], magnitude: 0 };
     }
     let zeros = largest.leading_zeros();
     let block = sizes.map(|size| (size << zeros) >> (32 - bits));
     let square: u32 = block.iter().map(|a| a * a).sum();
-    let reciprocal = table.root[(square >> (2 * bits - 2 - table.root_bits)) as usize - (1 << table.root_bits)];
+    let index = (square >> (2 * bits - 2 - table.root_bits)) - (1 << table.root_bits);
+    let reciprocal = table.root[index as usize];
     let one = 1 << (bits - 1);
-    let unit = block.map(|a| ((a * reciprocal + (1 << (bits - 1))) >> bits).min(one));
+    let products = block.map(|a| a * reciprocal);
+    let rounded = products.map(|product| (product + (1 << (bits - 1))) >> bits);
+    let unit = rounded.map(|component| component.min(one));
     let direction = [0, 1, 2].map(|i| if gradient[i] < 0 { -(unit[i] as i32) } else { unit[i] as i32 });
     let length: u64 = (0..3).map(|i| u64::from(block[i]) * u64::from(unit[i])).sum();
-    Normal { direction, magnitude: magnitude(length, zeros, bits) }
+    let magnitude = magnitude(length, zeros, bits);
+    probe.wire("highest", 0, (31 - zeros).into());
+    show(probe, "block", block);
+    probe.wire("square", 0, square.into());
+    probe.wire("index", 0, index.into());
+    probe.wire("reciprocal", 0, reciprocal.into());
+    show(probe, "product", products);
+    show(probe, "rounded", rounded);
+    show(probe, "unit", unit);
+    show(probe, "direction", direction);
+    probe.wire("length", 0, length.into());
+    probe.wire("aligned", 0, (length << (31 - zeros)).into());
+    probe.wire("magnitude", 0, magnitude.into());
+    Normal { direction, magnitude }
 }
 
 /// The product of block and direction in the gradient's words: the block was shifted left by `zeros + bits − 32`, and the
@@ -231,47 +323,98 @@ pub fn halfway(light: [i32; 3], view: [i32; 3], table: &Normaliser, words: &Word
 
 /// Phong's formula with the direction of each light and what is halfway between it and the eye, as `towards(light)` gives them.
 pub fn phong_from(normal: [i32; 3], phong: &Phong, towards: impl Fn(usize) -> [[i32; 3]; 2], words: &Words) -> Light {
+    phong_wires(normal, phong, towards, words, &mut ())
+}
+
+/// [`phong_from`], and what its wires carry.
+pub fn phong_wires(
+    normal: [i32; 3],
+    phong: &Phong,
+    towards: impl Fn(usize) -> [[i32; 3]; 2],
+    words: &Words,
+    probe: &mut impl Probe,
+) -> Light {
     let one_bits = words.normal_bits - 1;
-    let one = 1_i64 << one_bits;
-    let cosine = |direction: [i32; 3]| {
-        let dot: i64 = (0..3).map(|i| i64::from(normal[i]) * i64::from(direction[i])).sum();
-        // The back is lit as the front, to the bit: the magnitude is taken before it is rounded.
-        let dot = if phong.two_sided { dot.abs() } else { dot.max(0) };
-        words.rounding.shift_right(dot, one_bits).min(one)
-    };
     let mut light = Light { diffuse: [phong.ambient; 3], specular: [0; 3] };
     for (number, source) in phong.lights.iter().enumerate() {
-        let [towards, half] = towards(number).map(cosine);
-        let index = words.rounding.shift_right(half, one_bits - phong.power_bits) as usize;
+        let [direction, halfway] = towards(number);
+        let towards = probe.within("towards", number, |probe| cosine(normal, direction, phong.two_sided, words, probe));
         let lit = phong.two_sided || towards > 0;
-        let power = if lit { i64::from(phong.power[index]) } else { 0 };
+        let power = probe.within("half", number, |probe| {
+            let half = cosine(normal, halfway, phong.two_sided, words, probe);
+            let index = words.rounding.shift_right(half, one_bits - phong.power_bits);
+            let power = if lit { i64::from(phong.power[index as usize]) } else { 0 };
+            probe.wire("index", 0, index.into());
+            probe.wire("power", 0, power.into());
+            power
+        });
+        let diffuse_products = source.diffuse.map(|intensity| i64::from(intensity) * towards);
+        let specular_products = source.specular.map(|intensity| i64::from(intensity) * power);
+        let diffuse = diffuse_products.map(|product| words.rounding.shift_right(product, one_bits) as u32);
+        let specular = specular_products.map(|product| words.rounding.shift_right(product, words.colour_bits) as u32);
         for i in 0..3 {
-            light.diffuse[i] += words.rounding.shift_right(i64::from(source.diffuse[i]) * towards, one_bits) as u32;
-            light.specular[i] +=
-                words.rounding.shift_right(i64::from(source.specular[i]) * power, words.colour_bits) as u32;
+            light.diffuse[i] += diffuse[i];
+            light.specular[i] += specular[i];
         }
+        probe.within("light", 3 * number, |probe| {
+            show(probe, "diffuse_product", diffuse_products);
+            show(probe, "diffuse", diffuse);
+            show(probe, "specular_product", specular_products);
+            show(probe, "specular", specular);
+        });
     }
+    show(probe, "diffuse", light.diffuse);
+    show(probe, "specular", light.specular);
     light
+}
+
+/// The cosine between a normal and a direction, a fraction of `normal_bits − 1`, at most 1; from behind, none or the same.
+fn cosine(normal: [i32; 3], direction: [i32; 3], two_sided: bool, words: &Words, probe: &mut impl Probe) -> i64 {
+    let one_bits = words.normal_bits - 1;
+    let dot: i64 = (0..3).map(|i| i64::from(normal[i]) * i64::from(direction[i])).sum();
+    // The back is lit as the front, to the bit: the magnitude is taken before it is rounded.
+    let positive = if two_sided { dot.abs() } else { dot.max(0) };
+    let rounded = words.rounding.shift_right(positive, one_bits);
+    let cosine = rounded.min(1 << one_bits);
+    probe.wire("dot", 0, dot.into());
+    probe.wire("positive", 0, positive.into());
+    probe.wire("rounded", 0, rounded.into());
+    probe.wire("cosine", 0, cosine.into());
+    cosine
 }
 
 /// The entry of a reflectance table for a gradient's direction: the face of its largest component (u before v before w
 /// where equal), and the others divided by that one. None where there is no direction.
 pub fn direction_index(gradient: [i32; 3], bits: u32) -> Option<usize> {
+    direction_index_wires(gradient, bits, &mut ())
+}
+
+/// [`direction_index`], and what its wires carry.
+pub fn direction_index_wires(gradient: [i32; 3], bits: u32, probe: &mut impl Probe) -> Option<usize> {
     let sizes = gradient.map(i32::unsigned_abs);
     let largest = sizes[0].max(sizes[1]).max(sizes[2]);
+    show(probe, "size", sizes);
+    probe.wire("largest", 0, largest.into());
     if largest == 0 {
         return None;
     }
     let axis = sizes.iter().position(|&size| size == largest)?;
     let half = 1_u32 << (bits - 1);
-    let coordinate = |axis: usize| {
-        let quotient = ((u64::from(sizes[axis]) << (bits - 1)) / u64::from(largest)) as u32;
-        let quotient = quotient.min(half - 1);
-        if gradient[axis] < 0 { half - 1 - quotient } else { half + quotient }
-    };
+    let others = [(axis + 1) % 3, (axis + 2) % 3];
+    let dividends = others.map(|axis| u64::from(sizes[axis]) << (bits - 1));
+    let quotients = dividends.map(|dividend| (dividend / u64::from(largest)) as u32);
+    let held = quotients.map(|quotient| quotient.min(half - 1));
+    let coordinate = |held: u32, axis: usize| if gradient[axis] < 0 { half - 1 - held } else { half + held };
+    let [first, second] = [0, 1].map(|i| coordinate(held[i], others[i]));
     let face = 2 * axis as u32 + u32::from(gradient[axis] < 0);
-    let (first, second) = (coordinate((axis + 1) % 3), coordinate((axis + 2) % 3));
-    Some(((face << bits | second) << bits | first) as usize)
+    let entry = (face << bits | second) << bits | first;
+    probe.wire("face", 0, face.into());
+    show(probe, "dividend", dividends);
+    show(probe, "quotient", quotients);
+    show(probe, "held", held);
+    show(probe, "coordinate", [first, second]);
+    probe.wire("entry", 0, entry.into());
+    Some(entry as usize)
 }
 
 /// Light on a sample by table.
@@ -284,15 +427,23 @@ pub fn reflectance(gradient: [i32; 3], table: &ReflectanceTable) -> Light {
 
 /// The colour of a lit sample, saturated at 1.
 pub fn lit(colour: [u32; 3], light: Light, words: &Words) -> Counted<[u32; 3]> {
+    counted(lit_wires(colour, light, words, &mut ()))
+}
+
+/// [`lit`], whether each word was saturated, and what its wires carry.
+pub fn lit_wires(colour: [u32; 3], light: Light, words: &Words, probe: &mut impl Probe) -> [(u32, bool); 3] {
     let full = i64::from(unit_full(words.colour_bits));
-    let mut overflows = 0;
-    let value = [0, 1, 2].map(|i| {
+    [0, 1, 2].map(|i| {
         let product = i64::from(colour[i]) * i64::from(light.diffuse[i]);
-        let sum = words.rounding.shift_right(product, words.colour_bits) + i64::from(light.specular[i]);
-        overflows += u32::from(sum > full);
-        sum.min(full) as u32
-    });
-    Counted { value, overflows }
+        let scaled = words.rounding.shift_right(product, words.colour_bits);
+        let sum = scaled + i64::from(light.specular[i]);
+        let value = sum.min(full);
+        probe.wire("product", i, product.into());
+        probe.wire("scaled", i, scaled.into());
+        probe.wire("sum", i, sum.into());
+        probe.wire("value", i, value.into());
+        (value as u32, sum > full)
+    })
 }
 
 /// Opacity and colour of a sample word by the tables of a parallel frame; a sample outside of the threshold has none.
@@ -302,15 +453,52 @@ pub fn classify(sample: i32, magnitude: u32, table: &Classification) -> Option<(
 
 /// The same with the opacity table of a class of step lengths.
 pub fn classify_in(class: u32, sample: i32, magnitude: u32, table: &Classification) -> Option<(u32, [u32; 3])> {
-    let word = sample as u32;
-    if word < table.threshold[0] || word > table.threshold[1] {
-        return None;
+    let [opacity, colour] = TableAddresses::of(table).find(class, sample, magnitude, &mut ())?;
+    Some((table.opacity[opacity], table.colour[colour]))
+}
+
+/// Where the classification tables hold what becomes of a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TableAddresses {
+    /// See [`Classification::threshold`].
+    pub threshold: [u32; 2],
+    /// See [`Classification::index_shift`].
+    pub index_shift: u32,
+    /// One row where opacity does not depend on the gradient.
+    pub rows: GradientRows,
+    /// Entries of a row.
+    pub entries: usize,
+}
+
+impl TableAddresses {
+    /// Those of a table.
+    pub fn of(table: &Classification) -> TableAddresses {
+        TableAddresses {
+            threshold: table.threshold,
+            index_shift: table.index_shift,
+            rows: table.gradient_rows.unwrap_or(GradientRows { shift: 0, rows: 1 }),
+            entries: table.colour.len(),
+        }
     }
-    let index = (word >> table.index_shift) as usize;
-    let (row, rows) =
-        table.gradient_rows.map_or((0, 1), |rows| ((magnitude >> rows.shift).min(rows.rows - 1), rows.rows));
-    let row = (class * rows + row) as usize;
-    Some((table.opacity[row * table.colour.len() + index], table.colour[index]))
+
+    /// The entries of opacity and of colour; none for a sample outside of the threshold.
+    pub fn find(&self, class: u32, sample: i32, magnitude: u32, probe: &mut impl Probe) -> Option<[usize; 2]> {
+        let word = sample as u32;
+        let visible = (self.threshold[0]..=self.threshold[1]).contains(&word);
+        probe.wire("visible", 0, visible.into());
+        if !visible {
+            return None;
+        }
+        let index = (word >> self.index_shift) as usize;
+        let shifted = magnitude >> self.rows.shift;
+        let row = shifted.min(self.rows.rows - 1);
+        let entry = (class * self.rows.rows + row) as usize * self.entries + index;
+        probe.wire("index", 0, index as i128);
+        probe.wire("shifted", 0, shifted.into());
+        probe.wire("row", 0, row.into());
+        probe.wire("entry", 0, entry as i128);
+        Some([entry, index])
+    }
 }
 
 /// A sample as it goes into the cone.
@@ -384,5 +572,14 @@ pub fn shade(s: &Neighbourhood, at: [i64; 3], setup: &FrameSetup) -> Counted<Sha
 
 /// A colour behind the depth cue's factor.
 pub fn cued(colour: [u32; 3], factor: u32, words: &Words) -> [u32; 3] {
-    colour.map(|c| words.rounding.shift_right(i64::from(c) * i64::from(factor), LinearFactor::WORD_BITS) as u32)
+    cued_wires(colour, factor, words, &mut ())
+}
+
+/// [`cued`], and what its wires carry.
+pub fn cued_wires(colour: [u32; 3], factor: u32, words: &Words, probe: &mut impl Probe) -> [u32; 3] {
+    let products = colour.map(|c| i64::from(c) * i64::from(factor));
+    let values = products.map(|product| words.rounding.shift_right(product, LinearFactor::WORD_BITS) as u32);
+    show(probe, "product", products);
+    show(probe, "value", values);
+    values
 }

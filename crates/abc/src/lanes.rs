@@ -4,12 +4,14 @@
 //! the depths of one ray. Arithmetic is in 32 bits where the words allow it, in 64 where they do not.
 
 use crate::golden;
-use crate::perspective::{LocalRows, RayLanes};
+use crate::perspective::RayLanes;
 use cube3_host::{
     Classification, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientScale, LinearFactor, Normaliser,
     Phong, ReflectanceTable, Shading,
 };
 use cube3_word::{Shift, Words, unit_full};
+
+pub use crate::perspective::LocalRows;
 
 /// A row of shaded samples; see [`golden::Shaded`].
 #[derive(Clone, Debug, Default)]
@@ -132,7 +134,7 @@ impl AbcLanes {
         self.table.colour(from, to, neighbour(1, 1, 1), out);
         match self.shading.take() {
             Some(Shading::Phong(phong)) => {
-                self.phong_stage(from, to, &phong, at);
+                phong_stage(&mut self.row, self.rays.as_ref(), &self.words, from, to, &phong, at);
                 self.light_stage(from, to, out);
                 self.shading = Some(Shading::Phong(phong));
             }
@@ -215,53 +217,7 @@ impl AbcLanes {
         let Some(table) = &self.normaliser else {
             return;
         };
-        let row = &mut self.row;
-        let most = to.max(row.index.len());
-        resize(&mut row.block, most);
-        resize(&mut row.direction, most);
-        row.index.resize(most, 0);
-        row.reciprocal.resize(most, 0);
-        row.magnitude.resize(most, 0);
-        normalise(row, table, &self.words, from, to, self.table.rows.is_some());
-    }
-
-    #[inline(always)]
-    fn phong_stage(&mut self, from: usize, to: usize, phong: &Phong, at: impl Fn(usize) -> [i64; 3] + Copy) {
-        let row = &mut self.row;
-        let most = to.max(row.power.len());
-        resize(&mut row.cosine, most);
-        resize(&mut row.diffuse, most);
-        resize(&mut row.specular, most);
-        row.power.resize(most, 0);
-        for i in 0..3 {
-            row.diffuse[i][from..to].fill(phong.ambient);
-            row.specular[i][from..to].fill(0);
-        }
-        let words = &self.words;
-        let narrow = words.colour_bits + 3 + words.normal_bits <= 31;
-        for (number, light) in phong.lights.iter().enumerate() {
-            if let Some(rays) = &self.rays {
-                rays.towards(number, light.direction, from, to, at, &mut row.towards);
-                for (cosine, towards) in row.cosine.iter_mut().zip(&row.towards) {
-                    let towards = |lane: usize| [towards[0][lane], towards[1][lane], towards[2][lane]];
-                    dot(&row.direction, towards, phong.two_sided, words, from, &mut cosine[from..to]);
-                }
-            } else {
-                for (cosine, direction) in row.cosine.iter_mut().zip([light.direction, light.halfway]) {
-                    dot(&row.direction, |_| direction, phong.two_sided, words, from, &mut cosine[from..to]);
-                }
-            }
-            let [towards, half] = &row.cosine;
-            let (towards, half, power) = (&towards[from..to], &half[from..to], &mut row.power[from..to]);
-            look_up_power(half, towards, phong, words, power);
-            let by_cosine = words.rounding.by(words.normal_bits - 1);
-            let by_power = words.rounding.by(words.colour_bits);
-            let wide_power = 2 * words.colour_bits + 4 > 31;
-            for i in 0..3 {
-                accumulate(towards, light.diffuse[i], by_cosine, narrow, &mut row.diffuse[i][from..to]);
-                accumulate(power, light.specular[i], by_power, !wide_power, &mut row.specular[i][from..to]);
-            }
-        }
+        normalise(&mut self.row, table, &self.words, from, to, self.table.rows.is_some());
     }
 
     #[inline(always)]
@@ -309,6 +265,60 @@ impl AbcLanes {
             }
         }
     }
+}
+
+/// Diffuse and specular light of the rows' normals.
+#[inline(always)]
+fn phong_stage(
+    row: &mut Scratch,
+    rays: Option<&RayLanes>,
+    words: &Words,
+    from: usize,
+    to: usize,
+    phong: &Phong,
+    at: impl Fn(usize) -> [i64; 3] + Copy,
+) {
+    let most = to.max(row.power.len());
+    resize(&mut row.cosine, most);
+    resize(&mut row.diffuse, most);
+    resize(&mut row.specular, most);
+    row.power.resize(most, 0);
+    for i in 0..3 {
+        row.diffuse[i][from..to].fill(phong.ambient);
+        row.specular[i][from..to].fill(0);
+    }
+    let narrow = words.colour_bits + 3 + words.normal_bits <= 31;
+    for (number, light) in phong.lights.iter().enumerate() {
+        if let Some(rays) = rays {
+            rays.towards(number, light.direction, from, to, at, &mut row.towards);
+            for (cosine, towards) in row.cosine.iter_mut().zip(&row.towards) {
+                let towards = |lane: usize| [towards[0][lane], towards[1][lane], towards[2][lane]];
+                dot(&row.direction, towards, phong.two_sided, words, from, &mut cosine[from..to]);
+            }
+        } else {
+            for (cosine, direction) in row.cosine.iter_mut().zip([light.direction, light.halfway]) {
+                dot(&row.direction, |_| direction, phong.two_sided, words, from, &mut cosine[from..to]);
+            }
+        }
+        let [towards, half] = &row.cosine;
+        let (towards, half, power) = (&towards[from..to], &half[from..to], &mut row.power[from..to]);
+        look_up_power(half, towards, phong, words, power);
+        let by_cosine = words.rounding.by(words.normal_bits - 1);
+        let by_power = words.rounding.by(words.colour_bits);
+        let wide_power = 2 * words.colour_bits + 4 > 31;
+        for i in 0..3 {
+            accumulate(towards, light.diffuse[i], by_cosine, narrow, &mut row.diffuse[i][from..to]);
+            accumulate(power, light.specular[i], by_power, !wide_power, &mut row.specular[i][from..to]);
+        }
+    }
+}
+
+/// Light on a row of normals by Phong's formula, of a parallel frame: diffuse and specular, see [`golden::phong`].
+pub fn phong_rows(direction: [Vec<i32>; 3], phong: &Phong, words: &Words) -> [[Vec<u32>; 3]; 2] {
+    let n = direction[0].len();
+    let mut row = Scratch { direction, ..Scratch::default() };
+    phong_stage(&mut row, None, words, 0, n, phong, |_| [0; 3]);
+    [row.diffuse, row.specular]
 }
 
 /// `out += round(weight · x)`.
@@ -401,6 +411,12 @@ fn look_up_power(half: &[i32], towards: &[i32], phong: &Phong, words: &Words, ou
 
 #[inline(always)]
 fn normalise(row: &mut Scratch, table: &Normaliser, words: &Words, from: usize, to: usize, magnitude: bool) {
+    let most = to.max(row.index.len());
+    resize(&mut row.block, most);
+    resize(&mut row.direction, most);
+    row.index.resize(most, 0);
+    row.reciprocal.resize(most, 0);
+    row.magnitude.resize(most, 0);
     let n = to - from;
     let bits = words.normal_bits;
     let Scratch {
@@ -452,9 +468,17 @@ fn normalise(row: &mut Scratch, table: &Normaliser, words: &Words, from: usize, 
     }
 }
 
+/// Directions and magnitudes of a row of gradients; see [`golden::normalise`].
+pub fn normalise_rows(gradient: [Vec<i32>; 3], table: &Normaliser, words: &Words) -> ([Vec<i32>; 3], Vec<u32>) {
+    let n = gradient[0].len();
+    let mut row = Scratch { gradient, ..Scratch::default() };
+    normalise(&mut row, table, words, 0, n, true);
+    (row.direction, row.magnitude)
+}
+
 /// The classification tables, a word for opacity and colour together.
 #[derive(Clone, Debug)]
-struct ClassifyLanes {
+pub struct ClassifyLanes {
     /// Opacity, red, green, blue in 16 bits each; the opacity is that of row 0. A table for each class of step lengths.
     packed: Vec<u64>,
     /// Entries of one class.
@@ -467,7 +491,8 @@ struct ClassifyLanes {
 }
 
 impl ClassifyLanes {
-    fn new(table: &Classification) -> ClassifyLanes {
+    /// Lanes for the tables of a frame.
+    pub fn new(table: &Classification) -> ClassifyLanes {
         let packed = table
             .colour
             .iter()
@@ -492,9 +517,10 @@ impl ClassifyLanes {
         }
     }
 
-    /// Opacities of all lanes, and the span in which they are not 0.
+    /// Opacities of all lanes, and the span in which they are not 0. `magnitude` is read where the opacity depends on it; `class` may be
+    /// empty where there is one class.
     #[inline(always)]
-    fn opacity(
+    pub fn opacity(
         &self,
         n: usize,
         samples: &[i32],
@@ -546,8 +572,9 @@ impl ClassifyLanes {
         (from, to)
     }
 
+    /// Colours of lanes `from` to `to`.
     #[inline(always)]
-    fn colour(&self, from: usize, to: usize, samples: &[i32], out: &mut ShadedRow) {
+    pub fn colour(&self, from: usize, to: usize, samples: &[i32], out: &mut ShadedRow) {
         let (packed, samples) = (self.packed.as_slice(), &samples[from..to]);
         let [red, green, blue] = &mut out.colour;
         let (red, green, blue) = (&mut red[from..to], &mut green[from..to], &mut blue[from..to]);
@@ -562,7 +589,7 @@ impl ClassifyLanes {
 
 /// The gradient unit's lanes.
 #[derive(Clone, Copy, Debug)]
-struct GradientLanes {
+pub struct GradientLanes {
     method: GradientMethod,
     weights: [i32; 2],
     factors: Option<[u32; 3]>,
@@ -575,7 +602,8 @@ struct GradientLanes {
 }
 
 impl GradientLanes {
-    fn new(registers: GradientRegisters, words: &Words) -> GradientLanes {
+    /// Lanes for the registers of a frame.
+    pub fn new(registers: GradientRegisters, words: &Words) -> GradientLanes {
         let weighted = matches!(registers.method, GradientMethod::TwentySix | GradientMethod::TwentySixSheared);
         let sheared = matches!(registers.method, GradientMethod::SixSheared | GradientMethod::TwentySixSheared);
         let extra = if weighted { 4 } else { 0 };
@@ -596,8 +624,10 @@ impl GradientLanes {
         }
     }
 
+    /// Gradients of a parallel frame, and in `overflow` how many words of each lane were saturated, added to what is there. Lane 0 is
+    /// lane `from` of each row of the neighbourhood; see [`golden::gradient`].
     #[inline(always)]
-    fn run<'a>(
+    pub fn run<'a>(
         &self,
         from: usize,
         neighbour: impl Fn(usize, usize, usize) -> &'a [i32] + Copy,
@@ -676,7 +706,7 @@ impl GradientLanes {
     /// The gradient with weights and factors for each lane; see [`golden::local_gradient`]. `neighbour` gives the neighbourhood as it
     /// is `mirrored`.
     #[inline(always)]
-    fn run_local<'a>(
+    pub fn run_local<'a>(
         &self,
         from: usize,
         neighbour: impl Fn(usize, usize, usize) -> &'a [i32] + Copy,

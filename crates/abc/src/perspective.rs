@@ -7,11 +7,16 @@ use std::ops::Range;
 
 /// Weights and factors of a gradient by lane; see [`crate::golden::Local`].
 #[derive(Clone, Debug, Default)]
-pub(crate) struct LocalRows {
+pub struct LocalRows {
+    /// Along u and v; see [`crate::golden::Local::here`].
     pub here: [Vec<i32>; 2],
+    /// See [`crate::golden::Local::behind`].
     pub behind: [Vec<i32>; 2],
+    /// See [`crate::golden::Local::before`].
     pub before: [Vec<i32>; 2],
+    /// Of the three components.
     pub factors: [Vec<i32>; 3],
+    /// Absent where rays are nowhere less than a voxel apart.
     pub nearness: Option<Vec<u32>>,
 }
 

@@ -570,11 +570,12 @@ impl MachineSpec {
             power.to_string(),
             "outside 1 to 11, or above words.normal_bits − 1",
         )?;
+        let root_top = 10.min(2 * (self.words.normal_bits - 1));
         check(
-            (4..=10).contains(&self.abc.root_bits),
+            (4..=root_top).contains(&self.abc.root_bits),
             "abc.root_bits",
             self.abc.root_bits.to_string(),
-            "outside 4 to 10",
+            "outside 4 to 10, or above 2·(words.normal_bits − 1)",
         )?;
         let reflectance = self.abc.reflectance_bits;
         check((2..=8).contains(&reflectance), "abc.reflectance_bits", reflectance.to_string(), "outside 2 to 8")?;
@@ -685,6 +686,10 @@ mod tests {
         assert_eq!(
             error("clock_hz = 1.0\n[cfb]\nmemory = \"sdram\""),
             "m.toml: cfb.memory_clock_hz = 133000000 is above 65536 ticks in a cycle of clock_hz"
+        );
+        assert_eq!(
+            error("[words]\nnormal_bits = 4\n[abc]\npower_bits = 3"),
+            "m.toml: abc.root_bits = 8 is outside 4 to 10, or above 2·(words.normal_bits − 1)"
         );
         assert_eq!(error("[words]\nvoxel_bits = 40"), "m.toml: words.voxel_bits = 40 is outside 1 to 16");
         assert!(error("[abc]\ngradient = \"7\"").starts_with("m.toml:2: "));

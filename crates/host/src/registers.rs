@@ -3,7 +3,7 @@
 use crate::perspective::PLACE_BITS;
 use crate::{Geometry, GradientMethod, Reuse};
 use cube3_scene::Mode;
-use cube3_word::Words;
+use cube3_word::{Probe, Words};
 use serde::{Deserialize, Serialize};
 
 /// The registers and tables of one frame.
@@ -109,7 +109,19 @@ impl Linear {
     /// The value at a sample.
     #[inline(always)]
     pub fn at(&self, u: i64, v: i64, k: i64) -> i64 {
-        self.u * u + self.v * v + self.k * k + self.constant
+        self.at_wires(u, v, k, &mut ())
+    }
+
+    /// [`Linear::at`], and what its wires carry.
+    #[inline(always)]
+    pub fn at_wires(&self, u: i64, v: i64, k: i64, probe: &mut impl Probe) -> i64 {
+        let products = [self.u * u, self.v * v, self.k * k];
+        let value = products[0] + products[1] + products[2] + self.constant;
+        for (i, product) in products.into_iter().enumerate() {
+            probe.wire("product", i, product.into());
+        }
+        probe.wire("value", 0, value.into());
+        value
     }
 
     /// The value at a place of a perspective frame, whose coordinates are fractions of [`PLACE_BITS`].
@@ -228,6 +240,19 @@ pub struct Normaliser {
     pub root_bits: u32,
 }
 
+impl Normaliser {
+    /// The table for components of `normal_bits`.
+    pub fn new(normal_bits: u32, root_bits: u32) -> Normaliser {
+        let bin = f64::from(1_u32 << (2 * normal_bits - 2 - root_bits));
+        let top = f64::from(1_u32 << (2 * normal_bits - 1));
+        let root = (1_u32 << root_bits..12 << root_bits)
+            .map(|index| (top / ((f64::from(index) + 0.5) * bin).sqrt()).round() as u32)
+            .map(|root| root.min(1 << normal_bits))
+            .collect();
+        Normaliser { root, root_bits }
+    }
+}
+
 /// Registers and tables of the shading unit.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Shading {
@@ -251,6 +276,15 @@ pub struct Phong {
     pub power: Vec<u32>,
     /// Index bits of the power table.
     pub power_bits: u32,
+}
+
+impl Phong {
+    /// The table of powers for an exponent.
+    pub fn powers(shininess: f64, power_bits: u32, colour_bits: u32) -> Vec<u32> {
+        let steps = f64::from(1_u32 << power_bits);
+        let one = f64::from(1_u32 << colour_bits);
+        (0..=1_u32 << power_bits).map(|i| (libm::pow(f64::from(i) / steps, shininess) * one).round() as u32).collect()
+    }
 }
 
 /// One light of the Phong unit.
@@ -308,4 +342,18 @@ pub struct ConeRegisters {
 impl ConeRegisters {
     /// Fraction bits of the weighted sum's weight.
     pub const WEIGHT_BITS: u32 = 32;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Entry i of a table without a gap between its bins is that of the squared length i itself.
+    #[test]
+    fn the_shortest_normals_have_a_table_as_fine_as_their_squares() {
+        let table = Normaliser::new(4, 6);
+        assert_eq!((table.root_bits, table.root.len()), (6, 11 << 6));
+        let entry = |square: usize| (128.0 / (square as f64 + 0.5).sqrt()).round() as u32;
+        assert!(table.root.iter().enumerate().all(|(i, &root)| root == entry(i + 64).min(16)));
+    }
 }

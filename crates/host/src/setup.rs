@@ -3,8 +3,8 @@
 use crate::perspective::{PLACE_BITS, Perspective};
 use crate::{
     Abc, Axes, BusKind, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientScale,
-    HalfSpace, Linear, LinearFactor, MachineSpec, RayRegisters, SLOPE_FRACTION_BITS, ShadingUnit, canonical,
-    classification, largest_offset, shading, slope_register,
+    HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, RayRegisters, SLOPE_FRACTION_BITS, ShadingUnit,
+    canonical, classification, largest_offset, shading, slope_register,
 };
 use cube3_scene::{Mode, Scene, SceneError, ViewFrame};
 use cube3_word::{quantise_fraction, quantise_unit};
@@ -258,7 +258,7 @@ pub(crate) fn registers(
         clips,
         classification: classification::tables(scene, machine, volume, &steps.lengths, rows, &basis),
         gradient,
-        normaliser: (normal_needed || !plan).then(|| shading::normaliser(machine)),
+        normaliser: (normal_needed || !plan).then(|| Normaliser::new(words.normal_bits, machine.abc.root_bits)),
         shading: if lit {
             Some(shading::registers(scene, machine, view, &geometry, &basis))
         } else {

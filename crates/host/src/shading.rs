@@ -1,6 +1,6 @@
 //! Registers and tables of the shading unit.
 
-use crate::{Basis, Geometry, MachineSpec, Normaliser, Phong, PhongLight, ReflectanceTable, Shading, ShadingUnit};
+use crate::{Basis, Geometry, MachineSpec, Phong, PhongLight, ReflectanceTable, Shading, ShadingUnit};
 use cube3_scene::{ResolvedLight, Scene, ViewFrame, resolve_lights};
 
 /// A light in the gradient's frame, negated: the surface's normal is against the gradient.
@@ -47,11 +47,6 @@ fn phong(scene: &Scene, machine: &MachineSpec, lights: &[LocalLight]) -> Phong {
     let quantise = |vector: [f64; 3]| vector.map(|x| (x * one).round() as i32);
     let material = &scene.material;
     let power_bits = machine.abc.power_bits;
-    let steps = f64::from(1_u32 << power_bits);
-    let power = (0..=1_u32 << power_bits).map(|i| {
-        let x = f64::from(i) / steps;
-        (libm::pow(x, material.shininess) * f64::from(1_u32 << words.colour_bits)).round() as u32
-    });
     Phong {
         ambient: intensity(material.ambient, words.colour_bits),
         two_sided: material.two_sided,
@@ -64,22 +59,9 @@ fn phong(scene: &Scene, machine: &MachineSpec, lights: &[LocalLight]) -> Phong {
                 specular: light.colour.map(|c| added(material.specular * c, words.colour_bits)),
             })
             .collect(),
-        power: power.collect(),
+        power: Phong::powers(material.shininess, power_bits, words.colour_bits),
         power_bits,
     }
-}
-
-/// The normaliser's table. Its index is no longer than the squared length has bits below its range.
-pub(crate) fn normaliser(machine: &MachineSpec) -> Normaliser {
-    let bits = machine.words.normal_bits;
-    let root_bits = machine.abc.root_bits.min(2 * bits - 2);
-    let bin = f64::from(1_u32 << (2 * bits - 2 - root_bits));
-    let top = f64::from(1_u32 << (2 * bits - 1));
-    let root = (1_u32 << root_bits..12 << root_bits)
-        .map(|index| (top / ((f64::from(index) + 0.5) * bin).sqrt()).round() as u32)
-        .map(|root| root.min(1 << bits))
-        .collect();
-    Normaliser { root, root_bits }
 }
 
 /// A Phong unit without lights that leaves colours as they are.
@@ -131,20 +113,4 @@ fn reflectance(scene: &Scene, machine: &MachineSpec, lights: &[LocalLight]) -> R
         }
     }
     ReflectanceTable { bits, diffuse, specular, flat: intensity(material.ambient, colour_bits) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use cube3_word::Words;
-
-    /// Entry i of a table without a gap between its bins is that of the squared length i itself.
-    #[test]
-    fn the_shortest_normals_have_a_table_as_fine_as_their_squares() {
-        let machine = MachineSpec { words: Words { normal_bits: 4, ..Words::default() }, ..MachineSpec::default() };
-        let table = normaliser(&machine);
-        assert_eq!((table.root_bits, table.root.len()), (6, 11 << 6));
-        let entry = |square: usize| (128.0 / (square as f64 + 0.5).sqrt()).round() as u32;
-        assert!(table.root.iter().enumerate().all(|(i, &root)| root == entry(i + 64).min(16)));
-    }
 }

@@ -177,10 +177,14 @@ impl Coverage {
     pub fn see(&mut self, inputs: &[i128], seen: &[Seen], outputs: &[i128]) -> bool {
         let mut new = false;
         let Coverage { points, ports_in, ports_out, wires } = self;
+        let mut carried = vec![Vec::new(); wires.len()];
+        for seen in seen {
+            if let Some(&wire) = wires.get(&(seen.part, seen.name)) {
+                carried[wire].push(seen.value);
+            }
+        }
         for Point { hits, event, .. } in points {
-            let of_wire = |wire: usize, test: &dyn Fn(i128) -> bool| {
-                seen.iter().any(|seen| wires.get(&(seen.part, seen.name)) == Some(&wire) && test(seen.value))
-            };
+            let of_wire = |wire: usize, test: &dyn Fn(i128) -> bool| carried[wire].iter().any(|&value| test(value));
             let of_port = |fields: &[i128], ports: &[usize], port: usize, value: i128| {
                 fields.iter().zip(ports).any(|(field, of)| *of == port && *field == value)
             };

@@ -1,7 +1,7 @@
 //! The formats of a unit: word lengths and what else its hardware is built for.
 
 use crate::expression::{ExpressionError, evaluate};
-use cube3_host::MachineSpec;
+use cube3_host::{MachineSpec, Normaliser};
 use cube3_word::{Rounding, WordError, Words};
 
 /// Word lengths, and the sizes that a unit is built for. A name in an expression of a data sheet is one of these.
@@ -178,6 +178,8 @@ impl Format {
             "O" => words.opacity_bits.into(),
             "A" => words.accumulator_bits.into(),
             "N" => (words.accumulator_bits + 12).into(),
+            // The largest product of the normaliser.
+            "LONGEST" => self.products().map(|(_, product)| i64::from(product)).max()?,
             "LIGHTS" => self.lights.into(),
             "ROWS" => self.rows.into(),
             "CLASSES" => self.classes.into(),
@@ -199,6 +201,29 @@ impl Format {
     /// Lowest or highest sum of the skew over the volume.
     fn skew_sum(&self, end: fn(i64, i64) -> i64) -> i64 {
         self.skew.iter().zip(self.dims).map(|(&c, n)| end(0, c * (i64::from(n) - 1))).sum()
+    }
+
+    /// The blocks that the normaliser makes of gradients along an axis: `normal_bits` with the highest one, of which a gradient holds
+    /// one less than its own, beside the sign.
+    pub(crate) fn blocks(&self) -> impl Iterator<Item = u32> + use<> {
+        let (bits, gradient_bits) = (self.words.normal_bits, self.words.gradient_bits + self.kept_bits);
+        (1 << (bits - 1)..1 << bits).step_by(1 << (bits + 1).saturating_sub(gradient_bits))
+    }
+
+    /// Those blocks and their products with the table of reciprocal roots. Other components only make the square larger and its root
+    /// smaller: no product is above the largest of these.
+    fn products(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let (bits, root_bits) = (self.words.normal_bits, self.root_bits);
+        let table = Normaliser::new(bits, root_bits);
+        self.blocks().map(move |block| {
+            let index = ((block * block) >> (2 * bits - 2 - root_bits)) as usize - (1 << root_bits);
+            (block, block * table.root[index])
+        })
+    }
+
+    /// The block of the largest product.
+    pub(crate) fn longest_block(&self) -> Option<u32> {
+        self.products().max_by_key(|(_, product)| *product).map(|(block, _)| block)
     }
 
     /// The value of an expression of a data sheet.

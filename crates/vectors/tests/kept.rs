@@ -1,6 +1,6 @@
-//! What is kept in the repository is what the program makes: the pages of the book, and the reference vectors.
+//! What is kept in the repository is what the program makes: the pages of the book, the reference vectors and their test benches.
 
-use cube3_vectors::{Format, Vectors, pages, units};
+use cube3_vectors::{Format, Vectors, pages, testbench, units};
 use std::path::Path;
 
 fn kept(path: &str) -> String {
@@ -41,5 +41,15 @@ fn the_reference_vectors_regenerate_to_the_same_bytes() {
         for (table, text) in vectors.table_texts() {
             assert_kept(&format!("traces/vectors/{name}.{table}.hex"), &text, remedy);
         }
+    }
+}
+
+#[test]
+fn the_test_benches_are_those_of_the_data_sheets() {
+    for unit in units() {
+        let sheet = unit.sheet();
+        let text = testbench::text(&sheet, &Format::reference()).unwrap();
+        let path = format!("tests/rtl/tb/{}.sv", testbench::name(&sheet));
+        assert_kept(&path, &text, "cube3 vectors --reference --testbench --out DIR, and move the benches there");
     }
 }

@@ -236,6 +236,7 @@ impl Design {
             (made.abc.root_bits, made.abc.power_bits) = FINE_TABLES;
         }
         made.abc.power_bits = made.abc.power_bits.min(self.words.normal_bits - 1);
+        made.abc.root_bits = made.abc.root_bits.min(2 * (self.words.normal_bits - 1));
         if made.cone.kind.order() != self.order.of_cone() {
             made.cone.kind = match self.order {
                 Order::Tree => ConeKind::FoldedTree,
