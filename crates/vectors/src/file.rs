@@ -181,6 +181,12 @@ impl VectorFile {
                         names.push(name);
                     }
                     file.format.fit(&names);
+                    // A unit that does not depend on samples does not name their width.
+                    let words = &mut file.format.words;
+                    if !names.contains(&"sample_fraction_bits") {
+                        let wanted = words.gradient_bits.saturating_sub(words.voxel_bits.saturating_add(1));
+                        words.sample_fraction_bits = words.sample_fraction_bits.max(wanted.min(8));
+                    }
                     file.format.check()?;
                 }
                 _ => {}

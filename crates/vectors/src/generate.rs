@@ -50,7 +50,12 @@ impl Vectors {
         let fields = Sheet::fields(&sheet.inputs, &format)?;
         let mut random = Lines { rng: ChaCha8Rng::seed_from_u64(seed), fields: &fields, unit, format: &format };
         let mut lines = random.directed();
-        lines.extend(unit.corners(&format));
+        lines.extend(unit.corners(&format).into_iter().map(|mut line| {
+            for (field, value) in fields.iter().zip(&mut line) {
+                *value = (*value).clamp(field.range[0], field.range[1]);
+            }
+            line
+        }));
         if !sheet.clocked {
             let mut coverage = Coverage::new(&sheet, &format)?;
             let (tables, mut recorder) = (unit.tables(&format), Recorder::default());

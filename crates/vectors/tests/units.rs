@@ -53,6 +53,10 @@ fn the_definition_shows_the_wires_of_the_sheet_and_gives_what_its_outputs_hold()
         let mut recorder = Recorder::default();
         for (inputs, outputs) in vectors.inputs.iter().zip(&vectors.outputs) {
             assert_eq!(outputs.len(), vectors.fields[1].len(), "{}", sheet.name);
+            for (field, value) in vectors.fields[0].iter().zip(inputs) {
+                let [low, high] = field.range;
+                assert!((low..=high).contains(value), "{} {}: {value}", sheet.name, field.name);
+            }
             for (field, value) in vectors.fields[1].iter().zip(outputs) {
                 let [low, high] = field.range;
                 assert!((low..=high).contains(value), "{} {}: {value}, {inputs:?}", sheet.name, field.name);
