@@ -1,6 +1,6 @@
 //! Unit words: `raw / (2^bits − 1)`, with 0 and 1 exact; and quantising of reals.
 
-use crate::Rounding;
+use crate::{Probe, Rounding};
 
 /// The raw value that stands for 1: `2^bits − 1`. `bits` is 1 to 32.
 #[inline(always)]
@@ -14,6 +14,12 @@ pub fn unit_full(bits: u32) -> u32 {
 /// two terms suffice below `full²` (Blinn's rule, here for any width). Either operand full gives the other.
 #[inline(always)]
 pub fn unit_mul(a: u32, b: u32, bits: u32, rounding: Rounding) -> u32 {
+    unit_mul_wires(a, b, bits, rounding, &mut ())
+}
+
+/// [`unit_mul`], and what its wires carry.
+#[inline(always)]
+pub fn unit_mul_wires(a: u32, b: u32, bits: u32, rounding: Rounding, probe: &mut impl Probe) -> u32 {
     let product = u64::from(a) * u64::from(b);
     let start = match rounding {
         Rounding::Nearest => product + (1_u64 << (bits - 1)),
@@ -23,7 +29,12 @@ pub fn unit_mul(a: u32, b: u32, bits: u32, rounding: Rounding) -> u32 {
         Rounding::Nearest => start + (start >> bits),
         Rounding::Truncate => start + (start >> bits) + 1,
     };
-    (carried >> bits) as u32
+    let quotient = (carried >> bits) as u32;
+    probe.wire("product", 0, product.into());
+    probe.wire("start", 0, start.into());
+    probe.wire("carried", 0, carried.into());
+    probe.wire("quotient", 0, quotient.into());
+    quotient
 }
 
 /// A unit word in another width. Both ends stay exact.
