@@ -1,6 +1,7 @@
 //! The addressing of one voxel, and how many cycles a row of voxels takes. The definition.
 
 use cube3_host::Layout;
+use cube3_word::Probe;
 
 /// The skewed memory: voxel (x, y, z) of a volume `dims` is in module `(a·x + b·y + c·z) mod lanes`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,8 +24,16 @@ pub fn gcd(a: i64, n: usize) -> usize {
 impl Skew {
     /// The module of a voxel, or of a displacement between voxels.
     pub fn module(&self, xyz: [i64; 3]) -> usize {
+        self.module_wires(xyz, &mut ())
+    }
+
+    /// [`Skew::module`], and what its wires carry.
+    pub fn module_wires(&self, xyz: [i64; 3], probe: &mut impl Probe) -> usize {
         let sum: i64 = (0..3).map(|i| self.coefficients[i] * xyz[i]).sum();
-        sum.rem_euclid(self.lanes as i64) as usize
+        let module = sum.rem_euclid(self.lanes as i64) as usize;
+        probe.wire("sum", 0, sum.into());
+        probe.wire("module", 0, module as i128);
+        module
     }
 
     /// Words that a module holds of each row of `lanes` voxels along x: 1 where a and the modules share no factor.
@@ -95,7 +104,16 @@ impl Placement {
 
     /// The address of a voxel within its module. No two voxels of a module share one.
     pub fn address(&self, xyz: [usize; 3]) -> usize {
-        (0..3).map(|axis| self.term(axis, xyz[axis])).sum()
+        self.address_wires(xyz, &mut ())
+    }
+
+    /// [`Placement::address`], and what its wires carry.
+    pub fn address_wires(&self, xyz: [usize; 3], probe: &mut impl Probe) -> usize {
+        let terms = [0, 1, 2].map(|axis| self.term(axis, xyz[axis]));
+        let address = terms.iter().sum();
+        (0..3).for_each(|axis| probe.wire("term", axis, terms[axis] as i128));
+        probe.wire("address", 0, address as i128);
+        address
     }
 
     /// Words of each module.

@@ -3,7 +3,7 @@
 use cube3_abc::golden::{Counted, Shaded};
 use cube3_host::{ConeOrder, ConeRegisters};
 use cube3_scene::Mode;
-use cube3_word::{Words, unit_full, unit_mul, unit_resize};
+use cube3_word::{Probe, Words, unit_full, unit_mul_wires, unit_resize};
 
 /// What a node passes on: nothing, or a stretch of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -18,27 +18,43 @@ pub struct Node {
 
 /// A sample at a leaf.
 pub fn leaf(shaded: &Shaded, cone: &ConeRegisters, words: &Words) -> Node {
-    let bits = words.accumulator_bits;
+    leaf_wires(shaded, cone, words, &mut ())
+}
+
+/// [`leaf`], and what its wires carry.
+pub fn leaf_wires(shaded: &Shaded, cone: &ConeRegisters, words: &Words, probe: &mut impl Probe) -> Node {
     if !shaded.present {
         return Node::default();
     }
-    let opacity = unit_resize(shaded.opacity, words.opacity_bits, bits);
+    let bits = words.accumulator_bits;
+    let resized = unit_resize(shaded.opacity, words.opacity_bits, bits);
     let colour = shaded.colour.map(|c| unit_resize(c, words.colour_bits, bits));
-    let pixel = |opacity: u32| {
-        let weighted = colour.map(|c| u64::from(unit_mul(c, opacity, bits, words.rounding)));
-        [weighted[0], weighted[1], weighted[2], u64::from(opacity)]
-    };
-    match cone.mode {
-        Mode::FirstOpaque | Mode::LastOpaque if shaded.opacity < cone.opaque => Node::default(),
-        Mode::FirstOpaque | Mode::LastOpaque => {
-            Node { present: true, sample: shaded.sample, rgba: pixel(unit_full(bits)) }
-        }
-        _ => Node { present: true, sample: shaded.sample, rgba: pixel(opacity) },
+    let surface = matches!(cone.mode, Mode::FirstOpaque | Mode::LastOpaque);
+    let opaque = shaded.opacity >= cone.opaque;
+    let opacity = if surface { unit_full(bits) } else { resized };
+    let weighted = [0, 1, 2]
+        .map(|i| probe.within("weighted", i, |probe| unit_mul_wires(colour[i], opacity, bits, words.rounding, probe)));
+    let present = opaque || !surface;
+    probe.wire("resized", 0, resized.into());
+    (0..3).for_each(|i| probe.wire("colour", i, colour[i].into()));
+    probe.wire("opaque", 0, opaque.into());
+    probe.wire("present", 0, present.into());
+    if !present {
+        return Node::default();
     }
+    let [red, green, blue] = weighted.map(u64::from);
+    Node { present, sample: shaded.sample, rgba: [red, green, blue, opacity.into()] }
 }
 
 /// Two neighbouring stretches of a ray, the left one nearer to the eye. Nothing beside something gives the something.
+#[inline]
 pub fn combine(mode: Mode, left: Node, right: Node, words: &Words) -> Node {
+    combine_wires(mode, left, right, words, &mut ())
+}
+
+/// [`combine`], and what its wires carry.
+#[inline]
+pub fn combine_wires(mode: Mode, left: Node, right: Node, words: &Words, probe: &mut impl Probe) -> Node {
     if !left.present || !right.present {
         return if left.present { left } else { right };
     }
@@ -46,27 +62,29 @@ pub fn combine(mode: Mode, left: Node, right: Node, words: &Words) -> Node {
         Mode::Composite => {
             let bits = words.accumulator_bits;
             let through = unit_full(bits) - left.rgba[3] as u32;
-            let over =
-                |i: usize| left.rgba[i] + u64::from(unit_mul(through, right.rgba[i] as u32, bits, words.rounding));
-            Node { rgba: [over(0), over(1), over(2), over(3)], ..left }
+            probe.wire("through", 0, through.into());
+            let rgba = [0, 1, 2, 3].map(|i| {
+                let behind = probe.within("behind", i, |probe| {
+                    unit_mul_wires(through, right.rgba[i] as u32, bits, words.rounding, probe)
+                });
+                let over = left.rgba[i] + u64::from(behind);
+                probe.wire("over", i, over.into());
+                over
+            });
+            Node { rgba, ..left }
         }
         Mode::FirstOpaque => left,
         Mode::LastOpaque => right,
-        Mode::Maximum => {
-            if right.sample > left.sample {
-                right
-            } else {
-                left
-            }
+        Mode::Maximum | Mode::Minimum => {
+            let wins = if mode == Mode::Maximum { right.sample > left.sample } else { right.sample < left.sample };
+            probe.wire("wins", 0, wins.into());
+            if wins { right } else { left }
         }
-        Mode::Minimum => {
-            if right.sample < left.sample {
-                right
-            } else {
-                left
-            }
+        Mode::WeightedSum => {
+            let rgba = [0, 1, 2, 3].map(|i| left.rgba[i] + right.rgba[i]);
+            (0..4).for_each(|i| probe.wire("sum", i, rgba[i].into()));
+            Node { rgba, ..left }
         }
-        Mode::WeightedSum => Node { rgba: [0, 1, 2, 3].map(|i| left.rgba[i] + right.rgba[i]), ..left },
     }
 }
 
@@ -101,16 +119,27 @@ pub fn tree(leaves: &[Node], cone: &ConeRegisters, words: &Words) -> Node {
 
 /// The pixel of a ray's node: red, green, blue (opacity-weighted) and opacity, and whether a sum was saturated.
 pub fn pixel(node: Node, cone: &ConeRegisters, words: &Words) -> Counted<[u32; 4]> {
+    pixel_wires(node, cone, words, &mut ())
+}
+
+/// [`pixel`], and what its wires carry.
+pub fn pixel_wires(node: Node, cone: &ConeRegisters, words: &Words, probe: &mut impl Probe) -> Counted<[u32; 4]> {
     if cone.mode != Mode::WeightedSum {
         return Counted { value: node.rgba.map(|word| word as u32), overflows: 0 };
     }
     let full = u128::from(unit_full(words.accumulator_bits));
     let mut overflows = 0;
-    let value = node.rgba.map(|sum| {
+    let value = [0, 1, 2, 3].map(|i| {
         let shift = words.rounding.by(ConeRegisters::WEIGHT_BITS);
-        let mean = (u128::from(sum) * u128::from(cone.sum_weight) + shift.half as u128) >> shift.bits;
+        let product = u128::from(node.rgba[i]) * u128::from(cone.sum_weight);
+        let mean = (product + shift.half as u128) >> shift.bits;
+        let held = mean.min(full);
         overflows += u32::from(mean > full);
-        mean.min(full) as u32
+        probe.wire("product", i, product as i128);
+        probe.wire("mean", i, mean as i128);
+        probe.wire("held", i, held as i128);
+        probe.wire("overflow", i, i128::from(mean > full));
+        held as u32
     });
     Counted { value, overflows }
 }

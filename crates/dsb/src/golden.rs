@@ -1,6 +1,7 @@
 //! Where one voxel goes: on the bus, and in a skewed buffer. The definition.
 
 use cube3_host::{Geometry, RaySlots};
+use cube3_word::Probe;
 
 /// The slot of a plane that voxel `x` of a beam (its place along u) belongs to at a depth.
 ///
@@ -36,12 +37,25 @@ pub fn ray_lane(lanes: usize, j: usize, k: usize) -> usize {
 ///
 /// From a beam to the next of its plane it changes by 2 at most.
 pub fn rotation(geometry: &Geometry, plane: usize, depth: usize) -> usize {
-    let n = geometry.size[0];
     let row = match geometry.slots {
         RaySlots::Wrapped => (plane + geometry.v.columns[depth] as usize) % geometry.size[1],
         RaySlots::Padded => plane + geometry.v.columns[depth] as usize - geometry.shear_v(),
     };
-    let from = row + depth;
-    let to = slot(geometry, 0, depth) + depth;
-    (to + n * 8 - from % n) % n
+    turn(geometry.size[0], row, slot(geometry, 0, depth), &mut ())
+}
+
+/// The same from the beam's row and the slot of its first voxel, and what its wires carry. From lane `row + k + x` to lane
+/// `slot + k + x`: the depth does not matter.
+pub fn turn(lanes: usize, row: usize, first_slot: usize, probe: &mut impl Probe) -> usize {
+    let difference = first_slot as i64 - row as i64;
+    let rotation = difference.rem_euclid(lanes as i64) as usize;
+    probe.wire("difference", 0, difference.into());
+    probe.wire("rotation", 0, rotation as i128);
+    rotation
+}
+
+/// A beam that fills the lanes, turned: what was in lane l is in `(l + rotation) mod lanes`.
+pub fn turned<T: Copy>(beam: &[T], rotation: usize) -> Vec<T> {
+    let lanes = beam.len();
+    (0..lanes).map(|lane| beam[(lane + lanes - rotation) % lanes]).collect()
 }

@@ -2,7 +2,7 @@
 //!
 //! `$readmemh`, `$fscanf`, a spreadsheet and three lines of any script can read it.
 
-use crate::{Field, Format, Vectors};
+use crate::{ExpressionError, Field, Format, FormatError, Sheet, Unit, Vectors};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 
@@ -104,6 +104,36 @@ pub enum FileError {
         /// Its text.
         text: String,
     },
+    /// The format.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    /// The sheet.
+    #[error(transparent)]
+    Expression(#[from] ExpressionError),
+    /// A line with too few or too many words.
+    #[error("transaction {line} has {found} words; the unit has {expected} fields in this format")]
+    Fields {
+        /// Transaction or cycle, from 0.
+        line: usize,
+        /// Words there.
+        found: usize,
+        /// Fields.
+        expected: usize,
+    },
+    /// A value that the unit cannot be given.
+    #[error("transaction {line}: {field} = {value} is outside {low} to {high}")]
+    Value {
+        /// Transaction or cycle, from 0.
+        line: usize,
+        /// The field.
+        field: String,
+        /// Its value.
+        value: i128,
+        /// The lowest.
+        low: i128,
+        /// The highest.
+        high: i128,
+    },
     /// A word.
     #[error("line {line}: \"{text}\" is no hexadecimal number")]
     Word {
@@ -141,17 +171,47 @@ impl VectorFile {
                 Some(("unit", name)) => file.unit = name.trim().into(),
                 Some(("seed", seed)) => file.seed = seed.trim().parse().map_err(|_| header())?,
                 Some(("format", settings)) => {
+                    let mut names = Vec::new();
                     for setting in settings.split_whitespace() {
-                        let set = setting
-                            .split_once('=')
-                            .and_then(|(name, value)| file.format.set(name, value.parse().ok()?).then_some(()));
-                        set.ok_or_else(header)?;
+                        let (name, value) = setting.split_once('=').ok_or_else(header)?;
+                        let value = value.parse().map_err(|_| header())?;
+                        if !file.format.set(name, value) {
+                            return Err(header());
+                        }
+                        names.push(name);
                     }
-                    file.format.words.check().map_err(|_| header())?;
+                    file.format.fit(&names);
+                    file.format.check()?;
                 }
                 _ => {}
             }
         }
         Ok(file)
+    }
+
+    /// The file's lines with what the definition says to them.
+    ///
+    /// # Errors
+    /// Lines that do not fit the unit.
+    pub fn vectors(&self, unit: &dyn Unit) -> Result<Vectors, FileError> {
+        let sheet = unit.sheet();
+        let fields = Sheet::fields(&sheet.inputs, &self.format)?;
+        let expected = fields.len() + Sheet::fields(&sheet.outputs, &self.format)?.len();
+        let inputs = self.lines.iter().enumerate().map(|(line, words)| {
+            if words.len() != expected {
+                return Err(FileError::Fields { line, found: words.len(), expected });
+            }
+            let value = |(field, bits): (&Field, &u128)| {
+                let (value, [low, high]) = (field.value(*bits), field.range);
+                if (low..=high).contains(&value) {
+                    Ok(value)
+                } else {
+                    Err(FileError::Value { line, field: field.name.clone(), value, low, high })
+                }
+            };
+            fields.iter().zip(words).map(value).collect()
+        });
+        let inputs: Vec<Vec<i128>> = inputs.collect::<Result<_, _>>()?;
+        Ok(Vectors::of(unit, self.format, self.seed, inputs)?)
     }
 }

@@ -53,6 +53,18 @@ pub enum FormatError {
     /// A word.
     #[error(transparent)]
     Word(#[from] WordError),
+    /// A size.
+    #[error("{name} = {value} is outside {low} to {high}")]
+    Size {
+        /// Its name.
+        name: &'static str,
+        /// The value.
+        value: u32,
+        /// The smallest.
+        low: u32,
+        /// The largest.
+        high: u32,
+    },
 }
 
 impl Format {
@@ -76,6 +88,12 @@ impl Format {
         }
     }
 
+    /// The default words with small tables: for sets of vectors that are kept.
+    pub fn reference() -> Format {
+        let words = Words { table_bits: 6, ..Words::default() };
+        Format { words, root_bits: 4, power_bits: 5, reflectance_bits: 2, ..Format::default() }
+    }
+
     /// With voxels and weights of other lengths, from a text like `16.8`. Words that are bound to the voxel's follow it: a gradient
     /// holds a whole difference, a table's index no more than a sample.
     ///
@@ -86,12 +104,57 @@ impl Format {
         let (voxel, weight) = text.split_once('.').ok_or_else(form)?;
         self.words.voxel_bits = voxel.parse().map_err(|_| form())?;
         self.words.weight_bits = weight.parse().map_err(|_| form())?;
-        let Words { voxel_bits, sample_fraction_bits, table_bits, .. } = self.words;
-        let sample = voxel_bits.saturating_add(sample_fraction_bits);
-        self.words.gradient_bits = sample.saturating_add(1).min(24);
-        self.words.table_bits = table_bits.min(sample);
+        self.words.gradient_bits =
+            self.words.voxel_bits.saturating_add(self.words.sample_fraction_bits).saturating_add(1);
+        self.fit(&[]);
         self.words.check()?;
         Ok(self)
+    }
+
+    /// Shortens words that others bind and that were not set by name: a gradient holds a whole difference at most, tables have no more
+    /// index bits than what they are indexed with.
+    pub fn fit(&mut self, set: &[&str]) {
+        let Format { words, root_bits, power_bits, .. } = self;
+        let sample = words.voxel_bits.saturating_add(words.sample_fraction_bits);
+        let normal = words.normal_bits;
+        for (name, bits, most) in [
+            ("gradient_bits", &mut words.gradient_bits, sample.saturating_add(1).min(24)),
+            ("table_bits", &mut words.table_bits, sample.min(16)),
+            ("root_bits", root_bits, normal.saturating_mul(2).saturating_sub(3)),
+            ("power_bits", power_bits, normal.saturating_sub(1)),
+        ] {
+            if !set.contains(&name) {
+                *bits = (*bits).min(most);
+            }
+        }
+    }
+
+    /// Whether hardware can be built for the format.
+    ///
+    /// # Errors
+    /// The first length or size that no unit has.
+    pub fn check(&self) -> Result<(), FormatError> {
+        self.words.check()?;
+        let index = self.words.normal_bits;
+        let sizes = [
+            ("kept_bits", self.kept_bits, 0, 31 - self.words.gradient_bits.min(31)),
+            ("root_bits", self.root_bits, 1, 2 * index - 3),
+            ("power_bits", self.power_bits, 1, index - 1),
+            ("reflectance_bits", self.reflectance_bits, 1, 8),
+            ("lights", self.lights, 1, 8),
+            ("rows", self.rows, 1, 256),
+            ("classes", self.classes, 1, 16),
+            ("lanes", self.lanes, 1, 64),
+            ("nx", self.dims[0], 1, 4096),
+            ("ny", self.dims[1], 1, 4096),
+            ("nz", self.dims[2], 1, 4096),
+            ("capacity", self.capacity, 1, 255),
+            ("latency", self.latency, 1, 255),
+        ];
+        let size = |&(name, value, low, high): &(&'static str, u32, u32, u32)| {
+            if (low..=high).contains(&value) { Ok(()) } else { Err(FormatError::Size { name, value, low, high }) }
+        };
+        sizes.iter().try_for_each(size)
     }
 
     /// The value of a name in expressions.
@@ -122,12 +185,20 @@ impl Format {
             "NX" => self.dims[0].into(),
             "NY" => self.dims[1].into(),
             "NZ" => self.dims[2].into(),
+            "SKEW_LOW" => self.skew_sum(i64::min),
+            "SKEW_HIGH" => self.skew_sum(i64::max),
+            "TERM" => self.dims.iter().map(|&n| i64::from(n)).product::<i64>() * i64::from(self.lanes).pow(3),
             "CAPACITY" => self.capacity.into(),
             "LATENCY" => self.latency.into(),
             "NEAREST" => i64::from(words.rounding == Rounding::Nearest),
             _ => return None,
         };
         Some(value.into())
+    }
+
+    /// Lowest or highest sum of the skew over the volume.
+    fn skew_sum(&self, end: fn(i64, i64) -> i64) -> i64 {
+        self.skew.iter().zip(self.dims).map(|(&c, n)| end(0, c * (i64::from(n) - 1))).sum()
     }
 
     /// The value of an expression of a data sheet.

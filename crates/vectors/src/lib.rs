@@ -14,6 +14,7 @@ mod file;
 mod format;
 mod generate;
 mod markdown;
+pub mod pages;
 pub mod ranges;
 mod sheet;
 pub mod testbench;

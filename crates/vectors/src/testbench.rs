@@ -9,6 +9,8 @@ use std::fmt::Write;
 
 /// Words that a bench can hold.
 const MOST_WORDS: usize = 1 << 22;
+/// Lines of a vector file's header before the one that counts its lines.
+const COUNT_LINE: usize = 5;
 
 /// The text of a bench `<module>_tb` for a format.
 ///
@@ -35,7 +37,7 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
         "// cube3 vectors --unit {} --testbench. +in=FILE: vectors; +out=FILE: where the answers go.",
         sheet.name
     );
-    let _ = writeln!(t, "`timescale 1ns / 1ps\n\nmodule {module}_tb;");
+    let _ = writeln!(t, "module {module}_tb;");
     let _ = writeln!(t, "    localparam integer FIELDS = {count};\n    localparam integer WORDS = {MOST_WORDS};\n");
     for (port, of) in sheet.inputs.iter().enumerate() {
         let _ = writeln!(t, "    reg [{}:0] {};", bits(inputs, port) - 1, of.name);
@@ -45,8 +47,8 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
         let _ = writeln!(t, "    wire [{width}:0] {};\n    reg [{width}:0] expected_{};", of.name, of.name);
     }
     let _ = writeln!(t, "\n    reg [{}:0] words [0:WORDS-1];", widest - 1);
-    let _ = writeln!(t, "    reg [8*1024-1:0] path;\n    reg [8*65536-1:0] comment;");
-    let _ = writeln!(t, "    integer file, answers, got, lines, line, differ;");
+    let _ = writeln!(t, "    reg [8*250-1:0] path;");
+    let _ = writeln!(t, "    integer file, answers, skip, got, lines, line, differ;");
     if sheet.clocked {
         let _ = writeln!(t, "    reg clk, rst;");
     }
@@ -77,22 +79,23 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
         t,
         "
     initial begin
+        lines = -1;
         if (!$value$plusargs(\"in=%s\", path)) begin
             $display(\"{module}_tb: +in=FILE is missing: the vectors\");
-            $finish;
+        end else begin
+            file = $fopen(path, \"r\");
+            skip = {COUNT_LINE};
+            while (file != 0 && skip > 0) begin
+                got = $fgetc(file);
+                if (got == 10) skip = skip - 1;
+                if (got < 0) skip = -1;
+            end
+            if (skip != 0 || $fscanf(file, \"// {counted} %d\", lines) != 1) lines = -1;
+            if (lines * FIELDS > WORDS) lines = -1;
+            if (lines < 0) $display(\"{module}_tb: no vectors with at most %0d lines in %0s\", WORDS / FIELDS, path);
         end
-        file = $fopen(path, \"r\");
-        lines = -1;
-        got = 1;
-        while (file != 0 && lines < 0 && got != 0) begin
-            got = $fgets(comment, file);
-            if ($sscanf(comment, \"// {counted} %d\", lines) != 1) lines = -1;
-        end
-        if (lines < 0 || lines * FIELDS > WORDS) begin
-            $display(\"{module}_tb: no vectors with at most %0d lines in %0s\", WORDS / FIELDS, path);
-            $finish;
-        end
-        $fclose(file);
+        if (lines < 0) $finish;
+        else begin
         $readmemh(path, words, 0, lines * FIELDS - 1);
         answers = 0;
         if ($value$plusargs(\"out=%s\", path)) answers = $fopen(path, \"w\");
@@ -151,7 +154,7 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
     let _ = writeln!(t, "        if (answers != 0) $fclose(answers);");
     let _ = writeln!(
         t,
-        "        $display(\"{module}: %0d of %0d lines differ\", differ, lines);\n        $finish;\n    end\nendmodule"
+        "        $display(\"{module}: %0d of %0d lines differ\", differ, lines);\n        $finish;\n        end\n    end\nendmodule"
     );
     Ok(t)
 }

@@ -29,8 +29,13 @@ fn unknown(width: u32) -> Vec<u8> {
     vec![b'x'; width as usize]
 }
 
+/// A name that viewers do not take apart: `voxel_3` for `voxel[3]`, `along_v_value` for `along_v.value`.
+fn plain(name: &str) -> String {
+    name.replace(['[', '.'], "_").replace(']', "")
+}
+
 fn variable(header: &mut Header, name: &str, bits: u32) -> Result<FstSignalId, FstWriteError> {
-    header.var(name, FstSignalType::bit_vec(bits), FstVarType::Wire, FstVarDirection::Implicit, None)
+    header.var(plain(name), FstSignalType::bit_vec(bits), FstVarType::Wire, FstVarDirection::Implicit, None)
 }
 
 fn scope(header: &mut Header, name: &str) -> Result<(), FstWriteError> {
@@ -92,19 +97,22 @@ pub fn write(
         for ((field, value), signal) in vectors.fields[0].iter().zip(&vectors.inputs[line]).zip(&inputs) {
             body.signal_change(*signal, &digits(*value as u128, field.bits))?;
         }
-        for (row, bits) in &wires {
-            for signal in row {
-                body.signal_change(*signal, &unknown(*bits))?;
-            }
-        }
+        let mut carried: Vec<Vec<Vec<u8>>> = wires.iter().map(|(row, bits)| vec![unknown(*bits); row.len()]).collect();
         if !sheet.clocked {
             recorder.clear();
             unit.evaluate(&vectors.format, &vectors.tables, &vectors.inputs[line], &mut recorder);
             for seen in recorder.seen() {
-                let found = sheet.wire(seen.part, seen.name).map(|wire| &wires[wire]);
-                if let Some((signal, bits)) = found.and_then(|(row, bits)| Some((row.get(seen.place)?, *bits))) {
-                    body.signal_change(*signal, &digits(seen.value as u128, bits))?;
+                let wire = sheet.wire(seen.part, seen.name);
+                if let Some((place, bits)) =
+                    wire.and_then(|wire| Some((carried[wire].get_mut(seen.place)?, wires[wire].1)))
+                {
+                    *place = digits(seen.value as u128, bits);
                 }
+            }
+        }
+        for ((row, _), values) in wires.iter().zip(&carried) {
+            for (signal, value) in row.iter().zip(values) {
+                body.signal_change(*signal, value)?;
             }
         }
         let mut wrong = false;

@@ -29,12 +29,11 @@ pub fn unit_mul_wires(a: u32, b: u32, bits: u32, rounding: Rounding, probe: &mut
         Rounding::Nearest => start + (start >> bits),
         Rounding::Truncate => start + (start >> bits) + 1,
     };
-    let quotient = (carried >> bits) as u32;
+    let value = (carried >> bits) as u32;
     probe.wire("product", 0, product.into());
-    probe.wire("start", 0, start.into());
     probe.wire("carried", 0, carried.into());
-    probe.wire("quotient", 0, quotient.into());
-    quotient
+    probe.wire("value", 0, value.into());
+    value
 }
 
 /// A unit word in another width. Both ends stay exact.

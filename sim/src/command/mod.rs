@@ -2,6 +2,8 @@
 
 mod bench;
 mod run;
+mod vectors;
+mod verify;
 mod volume;
 
 use crate::problem::Outcome;
@@ -21,6 +23,10 @@ pub struct Arguments {
 enum Command {
     /// One frame or a sequence: picture, throughput, stalls, error.
     Run(Box<run::RunArguments>),
+    /// Golden vectors of units, their data sheets and test benches.
+    Vectors(vectors::VectorsArguments),
+    /// Units against their specification, and devices under test against vectors.
+    Verify(verify::VerifyArguments),
     /// Look at, convert and make volumes.
     Volume(volume::VolumeArguments),
     /// Speed, as ratios and as fractions of the hardware's limit.
@@ -36,6 +42,8 @@ impl Arguments {
         match self.command {
             None => run::RunArguments::defaults().execute(),
             Some(Command::Run(arguments)) => arguments.execute(),
+            Some(Command::Vectors(arguments)) => arguments.execute(),
+            Some(Command::Verify(arguments)) => arguments.execute(),
             Some(Command::Volume(arguments)) => arguments.execute(),
             Some(Command::Bench(arguments)) => arguments.execute(),
         }

@@ -1,0 +1,78 @@
+//! The address generator of the cubic frame buffer.
+
+use crate::unit::Reader;
+use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
+use cube3_cfb::golden::{Placement, Skew};
+use cube3_host::Layout;
+
+/// The frame buffer's addresses.
+pub struct Cfb;
+
+fn placement(format: &Format) -> Placement {
+    Placement {
+        skew: Skew { coefficients: format.skew, lanes: format.lanes as usize },
+        layout: if format.blocks { Layout::Blocks } else { Layout::Rows },
+        dims: format.dims.map(|n| n as usize),
+    }
+}
+
+impl Unit for Cfb {
+    fn sheet(&self) -> Sheet {
+        Sheet {
+            name: "cfb",
+            title: "Address generator",
+            purpose: "Module and address of voxel (x, y, z): module (a·x + b·y + c·z) mod LANES, with a non-negative remainder. Within a module \
+                      the words of a row of voxels come first, then rows, then planes; or blocks of 8 × 8 × 8 words, one behind another. \
+                      With d = gcd(a, LANES), a module has d words of each LANES voxels along x: word ⌊x / LANES⌋·d + (x mod LANES) / \
+                      (LANES / d).",
+            source: "Pfister et al. 1995, section 2; `cube3_cfb::golden::Placement`",
+            parameters: &["lanes", "nx", "ny", "nz", "skew_a", "skew_b", "skew_c", "blocks"],
+            module: None,
+            inputs: vec![
+                Port::unsigned("x", "12", "voxel along x").within("0", "NX - 1"),
+                Port::unsigned("y", "12", "voxel along y").within("0", "NY - 1"),
+                Port::unsigned("z", "12", "voxel along z").within("0", "NZ - 1"),
+            ],
+            tables: Vec::new(),
+            wires: vec![
+                Wire::new("sum", "a·x + b·y + c·z", "SKEW_LOW", "SKEW_HIGH"),
+                Wire::new("module", "sum mod LANES, not negative", "0", "LANES - 1").made_by(Kind::Cases),
+                Wire::new("term", "what x, y and z add to the address", "0", "TERM").times("3").loose(),
+                Wire::new("address", "the sum of the terms", "0", "TERM").loose(),
+            ],
+            outputs: vec![
+                Port::unsigned("module_number", "12", "module"),
+                Port::unsigned("address", "36", "word of the module"),
+            ],
+            clocked: false,
+        }
+    }
+
+    fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+        let xyz: [u32; 3] = Reader::new(inputs).words();
+        let placement = placement(format);
+        let module = placement.skew.module_wires(xyz.map(i64::from), probe);
+        let address = placement.address_wires(xyz.map(|i| i as usize), probe);
+        vec![module as i128, address as i128]
+    }
+
+    /// Every voxel of a volume that has few.
+    fn corners(&self, format: &Format) -> Vec<Vec<i128>> {
+        let [nx, ny, nz] = format.dims.map(|n| i128::from(n.min(9)));
+        (0..nx).flat_map(|x| (0..ny).flat_map(move |y| (0..nz).map(move |z| vec![x, y, z]))).step_by(3).collect()
+    }
+
+    fn formats(&self) -> Vec<Format> {
+        let format = |lanes, dims, skew, blocks| Format { lanes, dims, skew, blocks, ..Format::default() };
+        vec![
+            Format::default(),
+            format(8, [16, 16, 16], [1, 1, 1], true),
+            format(5, [7, 11, 9], [1, 1, 1], false),
+            format(6, [13, 5, 10], [2, 1, 1], false),
+            format(6, [13, 5, 10], [4, 3, 1], true),
+            format(8, [9, 17, 3], [-1, 3, -5], true),
+            format(1, [4, 2, 3], [1, 1, 1], false),
+            format(32, [64, 40, 100], [1, 2, 4], false),
+        ]
+    }
+}

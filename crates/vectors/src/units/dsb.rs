@@ -1,0 +1,55 @@
+//! The addressing of a 2-D skewed buffer.
+
+use crate::unit::Reader;
+use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
+use cube3_dsb::golden::{beam_lane, module, ray_lane};
+use cube3_word::Probe;
+
+/// The skewed buffer's addresses.
+pub struct Dsb;
+
+impl Unit for Dsb {
+    fn sheet(&self) -> Sheet {
+        Sheet {
+            name: "dsb",
+            title: "Addresses of a plane",
+            purpose: "Ray slot j at depth k is in module (j + k) mod LANES: neighbours along a beam (one k) are in different modules, and so are \
+                      neighbours along a ray (one j). A beam of more than LANES slots comes in chunks of LANES, and the slot's place in it is \
+                      its chunk and module; a ray of more than LANES depths likewise. Word of the module: the beam's chunk, and k.",
+            source: "Pfister et al. 1995, section 4; `cube3_dsb::golden::{module, beam_lane, ray_lane}`",
+            parameters: &["lanes"],
+            module: None,
+            inputs: vec![
+                Port::unsigned("slot", "12", "ray slot j").within("0", "8 * LANES - 1"),
+                Port::unsigned("depth", "12", "depth k").within("0", "8 * LANES - 1"),
+            ],
+            tables: Vec::new(),
+            wires: vec![
+                Wire::new("module", "(j + k) mod LANES", "0", "LANES - 1").made_by(Kind::Cases),
+                Wire::new("beam_place", "⌊j / LANES⌋·LANES + module", "0", "8 * LANES - 1"),
+                Wire::new("ray_place", "⌊k / LANES⌋·LANES + module", "0", "8 * LANES - 1"),
+            ],
+            outputs: vec![
+                Port::unsigned("beam_module", "12", "module"),
+                Port::unsigned("beam_place", "12", "place of the slot in an aligned beam"),
+                Port::unsigned("ray_place", "12", "place of the depth in a ray"),
+            ],
+            clocked: false,
+        }
+    }
+
+    fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+        let [slot, depth] = Reader::new(inputs).words().map(|i: u32| i as usize);
+        let lanes = format.lanes as usize;
+        let places = [module(lanes, slot, depth), beam_lane(lanes, slot, depth), ray_lane(lanes, slot, depth)];
+        let places = places.map(|place| place as i128);
+        for (name, place) in ["module", "beam_place", "ray_place"].into_iter().zip(places) {
+            probe.wire(name, 0, place);
+        }
+        places.to_vec()
+    }
+
+    fn formats(&self) -> Vec<Format> {
+        [1, 2, 5, 8, 12, 16, 64].map(|lanes| Format { lanes, ..Format::default() }).to_vec()
+    }
+}

@@ -1,0 +1,91 @@
+//! A leaf of the cone.
+
+use super::modes::{MODE, MODES};
+use crate::unit::Reader;
+use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
+use cube3_abc::golden::Shaded;
+use cube3_cone::golden::leaf_wires;
+use cube3_host::{ConeOrder, ConeRegisters};
+
+/// The wires of a product of unit words of `A` bits.
+pub fn unit_mul_wires(part: &'static str, count: &'static str) -> [Wire; 3] {
+    [
+        Wire::new("product", "the product of the words", "0", "(2^A - 1) * (2^A - 1)"),
+        Wire::new(
+            "carried",
+            "s + (s >> A), s = product + 2^(A−1) to nearest; product + (product >> A) + 1 truncated",
+            "NEAREST * 2^(A - 1) + 1 - NEAREST",
+            "(2^A - 1) * (2^A - 1) + NEAREST * 2^(A - 1) + ((2^A - 1) * (2^A - 1) + NEAREST * 2^(A - 1)) / 2^A + 1 - NEAREST",
+        ),
+        Wire::new("value", "product / (2^A − 1), rounded: carried >> A", "0", "2^A - 1")
+            .made_by(Kind::UnitProduct { of: "product", bits: "A" }),
+    ]
+    .map(|wire| wire.of(part).times(count))
+}
+
+/// The leaf.
+pub struct Leaf;
+
+impl Unit for Leaf {
+    fn sheet(&self) -> Sheet {
+        let mut wires = vec![
+            Wire::new("resized", "opacity in A bits: repeated bits, or the leading ones", "0", "2^A - 1"),
+            Wire::new("colour", "colour in A bits, likewise", "0", "2^A - 1").times("3"),
+            Wire::new("opaque", "opacity ≥ the register `opaque`", "0", "1").made_by(Kind::Cases),
+            Wire::new("present", "in modes 1 and 2 opaque, else 1", "0", "1").made_by(Kind::Cases),
+        ];
+        wires.extend(unit_mul_wires("weighted", "3"));
+        Sheet {
+            name: "leaf",
+            title: "Leaf",
+            purpose: "A shaded sample becomes a node: colour is weighted with opacity. In first-opaque and last-opaque a sample below the \
+                      register `opaque` is nothing, and one above it is fully opaque. Nothing is all 0. Wires carry something only where the \
+                      sample is present.",
+            source: "`cube3_cone::golden::leaf`",
+            parameters: &[
+                "voxel_bits",
+                "sample_fraction_bits",
+                "colour_bits",
+                "opacity_bits",
+                "accumulator_bits",
+                "nearest",
+            ],
+            module: None,
+            inputs: vec![
+                MODE,
+                Port::unsigned("opaque", "O", "least opacity of an opaque sample").within("1", "2^O - 1"),
+                Port::unsigned("present", "1", "whether the sample takes part"),
+                Port::unsigned("sample", "S", "sample word").within("0", "M"),
+                Port::unsigned("opacity", "O", "unit word"),
+                Port::unsigned("colour", "C", "unit words: red, green, blue").times("3"),
+            ],
+            tables: Vec::new(),
+            wires,
+            outputs: vec![
+                Port::unsigned("out_present", "1", "whether there is anything"),
+                Port::unsigned("out_sample", "S", "sample word"),
+                Port::unsigned("out_rgba", "A", "unit words: weighted red, green, blue; opacity").times("4"),
+            ],
+            clocked: false,
+        }
+    }
+
+    fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+        let mut fields = Reader::new(inputs);
+        let mode = MODES[fields.word() as usize];
+        let opaque = fields.word();
+        let (present, sample, opacity, colour) = (fields.flag(), fields.signed(), fields.word(), fields.words());
+        let cone = ConeRegisters { mode, order: ConeOrder::Tree, leaves: 1, opaque, sum_weight: 0 };
+        let node = leaf_wires(&Shaded { present, sample, opacity, colour }, &cone, &format.words, probe);
+        let mut outputs = vec![node.present.into(), node.sample.into()];
+        outputs.extend(node.rgba.map(i128::from));
+        outputs
+    }
+
+    /// A sample that is not present is all 0.
+    fn legalise(&self, _: &Format, inputs: &mut [i128]) {
+        if inputs[2] == 0 {
+            inputs[3..].fill(0);
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! A node of the cone.
+
+use super::leaf::unit_mul_wires;
+use super::modes::{MODE, MODES, legal};
+use crate::unit::Reader;
+use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
+use cube3_cone::golden::{Node as GoldenNode, combine_wires};
+
+/// The node.
+pub struct Node;
+
+impl Unit for Node {
+    fn sheet(&self) -> Sheet {
+        let mut wires = vec![Wire::new("through", "2^A − 1 − left opacity", "0", "2^A - 1")];
+        wires.extend(unit_mul_wires("behind", "4"));
+        wires.extend([
+            Wire::new(
+                "over",
+                "composite: left + behind; at most full, as no colour exceeds its opacity",
+                "0",
+                "2^A - 1",
+            )
+            .times("4"),
+            Wire::new("wins", "maximum: right sample > left; minimum: right sample < left", "0", "1")
+                .made_by(Kind::Cases),
+            Wire::new("sum", "weighted-sum: left + right, of 4096 samples at most", "0", "4096 * (2^A - 1)").times("4"),
+        ]);
+        let side = |name: [&'static str; 3], which: &'static str| {
+            [
+                Port::unsigned(name[0], "1", which),
+                Port::unsigned(name[1], "S", "sample word").within("0", "M"),
+                Port::unsigned(name[2], "N", "red, green, blue (weighted), opacity")
+                    .times("4")
+                    .within("0", "2048 * (2^A - 1)"),
+            ]
+        };
+        let mut inputs = vec![MODE];
+        inputs
+            .extend(side(["left_present", "left_sample", "left_rgba"], "whether there is anything nearer to the eye"));
+        inputs.extend(side(["right_present", "right_sample", "right_rgba"], "whether there is anything behind it"));
+        Sheet {
+            name: "node",
+            title: "Node",
+            purpose: "Two neighbouring stretches of a ray become one; the left one is nearer to the eye. Nothing beside something gives the \
+                      something. Composite: C = C_L + (1 − α_L)·C_R and α likewise. First- and last-opaque take the left and the right. \
+                      Maximum and minimum take the sample that is larger or smaller, the left one where equal. A weighted sum adds.",
+            source: "Pfister et al. 1995, section 6; `cube3_cone::golden::combine`",
+            parameters: &["voxel_bits", "sample_fraction_bits", "accumulator_bits", "nearest"],
+            module: None,
+            inputs,
+            tables: Vec::new(),
+            wires,
+            outputs: vec![
+                Port::unsigned("present", "1", "whether there is anything"),
+                Port::unsigned("sample", "S", "sample word"),
+                Port::unsigned("rgba", "N", "red, green, blue (weighted), opacity").times("4"),
+            ],
+            clocked: false,
+        }
+    }
+
+    fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+        let mut fields = Reader::new(inputs);
+        let mode = MODES[fields.word() as usize];
+        let mut node = || GoldenNode {
+            present: fields.flag(),
+            sample: fields.signed(),
+            rgba: std::array::from_fn(|_| fields.field() as u64),
+        };
+        let (left, right) = (node(), node());
+        let node = combine_wires(mode, left, right, &format.words, probe);
+        let mut outputs = vec![node.present.into(), node.sample.into()];
+        outputs.extend(node.rgba.map(i128::from));
+        outputs
+    }
+
+    fn legalise(&self, format: &Format, inputs: &mut [i128]) {
+        let mode = inputs[0];
+        for side in inputs[1..].chunks_mut(6) {
+            if let [present, sample, rgba @ ..] = side {
+                legal(format, mode, *present, sample, rgba);
+            }
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! `cube3 vectors`: golden vectors, data sheets and test benches.
+
+use super::run::print;
+use crate::inputs;
+use crate::output::write_whole;
+use crate::problem::{Outcome, Problem};
+use clap::Args;
+use cube3_vectors::{Coverage, Format, Unit, Vectors, pages, testbench, units};
+use std::path::{Path, PathBuf};
+
+/// Most lines of a file: a test bench reads them into memory.
+const MOST_LINES: usize = 1_000_000;
+
+/// Which unit, in which words.
+#[derive(Clone, Debug, Args)]
+pub struct UnitArguments {
+    /// A unit: `cube3 vectors --list` names them.
+    #[arg(long, value_name = "NAME")]
+    pub unit: Option<String>,
+    /// Bits of a voxel and of a weight, e.g. 16.8; the machine's without it.
+    #[arg(long, value_name = "VOXEL.WEIGHT")]
+    pub format: Option<String>,
+    /// Other words and sizes, e.g. accumulator_bits=8,nearest=0: names as in a vector file's header.
+    #[arg(long, value_name = "NAME=VALUE", value_delimiter = ',')]
+    pub set: Vec<String>,
+    /// Machine file or preset whose words are taken.
+    #[arg(long, value_name = "FILE.toml|NAME", default_value = "cube3-128")]
+    pub machine: String,
+    /// Lines: transactions, or cycles of a unit with a memory. The directed ones come first and are never left out.
+    #[arg(long, default_value_t = 10_000, value_name = "LINES")]
+    pub count: usize,
+    /// Seed of everything random.
+    #[arg(long, default_value_t = 7)]
+    pub seed: u64,
+}
+
+impl UnitArguments {
+    /// The format.
+    ///
+    /// # Errors
+    /// A length that no unit has, a name that is none.
+    pub fn format(&self) -> Outcome<Format> {
+        let mut format = Format::of(&inputs::machine(&self.machine)?);
+        if let Some(lengths) = &self.format {
+            format = format.with_lengths(lengths).map_err(|error| Problem::new(format!("--format: {error}")))?;
+        }
+        let mut names = Vec::new();
+        for setting in &self.set {
+            names.extend(setting.split('=').next().map(str::trim));
+            let set = setting.split_once('=').and_then(|(name, value)| Some((name, value.trim().parse().ok()?)));
+            if !set.is_some_and(|(name, value)| format.set(name.trim(), value)) {
+                let names: Vec<&str> = format.settings().into_iter().map(|(name, _)| name).collect();
+                return Err(Problem::new(format!(
+                    "--set {setting}: give NAME=NUMBER with one of {}",
+                    names.join(", ")
+                )));
+            }
+        }
+        format.fit(&names);
+        format.check().map_err(|error| Problem::new(format!("the format: {error}")))?;
+        Ok(format)
+    }
+
+    /// How many lines.
+    ///
+    /// # Errors
+    /// More than fit.
+    pub fn lines(&self) -> Outcome<usize> {
+        if self.count > MOST_LINES {
+            return Err(Problem::new(format!(
+                "--count {}: a file holds at most {MOST_LINES} lines; make several with other seeds",
+                self.count
+            )));
+        }
+        Ok(self.count)
+    }
+
+    /// The units asked for: the one named, or all.
+    ///
+    /// # Errors
+    /// No unit of that name.
+    pub fn units(&self) -> Outcome<Vec<Box<dyn Unit>>> {
+        match &self.unit {
+            None => Ok(units()),
+            Some(name) => Ok(vec![unit(name)?]),
+        }
+    }
+}
+
+/// The unit of a name.
+///
+/// # Errors
+/// No such unit, with the names that there are.
+pub fn unit(name: &str) -> Outcome<Box<dyn Unit>> {
+    let mut all = units();
+    match all.iter().position(|unit| unit.sheet().name == name) {
+        Some(place) => Ok(all.swap_remove(place)),
+        None => {
+            let names: Vec<&str> = units().iter().map(|unit| unit.sheet().name).collect();
+            Err(Problem::new(format!("there is no unit \"{name}\"; the units are {}", names.join(", "))))
+        }
+    }
+}
+
+/// Arguments of `cube3 vectors`.
+#[derive(Debug, Args)]
+pub struct VectorsArguments {
+    #[command(flatten)]
+    unit: UnitArguments,
+    /// Every unit.
+    #[arg(long, conflicts_with = "unit")]
+    all: bool,
+    /// Every unit in the default words with small tables, directed lines only: the sets that are kept in `traces/vectors`.
+    #[arg(long, conflicts_with_all = ["unit", "format", "set", "machine"])]
+    reference: bool,
+    /// Name the units and stop.
+    #[arg(long)]
+    list: bool,
+    /// Print the data sheet in this format and stop.
+    #[arg(long)]
+    sheet: bool,
+    /// Write the data sheets of all units, as pages of the book, into this folder and stop.
+    #[arg(long, value_name = "DIR")]
+    pages: Option<PathBuf>,
+    /// Also write a test bench in SystemVerilog beside the vectors.
+    #[arg(long)]
+    testbench: bool,
+    /// Folder for the files.
+    #[arg(long, value_name = "DIR", default_value = "vectors")]
+    out: PathBuf,
+}
+
+impl VectorsArguments {
+    /// Writes the files, and prints what they cover.
+    ///
+    /// # Errors
+    /// What went wrong, in words.
+    pub fn execute(self) -> Outcome<()> {
+        if self.list {
+            let line = |unit: &Box<dyn Unit>| format!("{:<14} {}\n", unit.sheet().name, unit.sheet().title);
+            return print(&units().iter().map(line).collect::<String>());
+        }
+        if let Some(folder) = &self.pages {
+            return pages::pages()?
+                .iter()
+                .try_for_each(|page| write_whole(&folder.join(page.file), page.text.as_bytes()));
+        }
+        let (format, count) =
+            if self.reference { (Format::reference(), 0) } else { (self.unit.format()?, self.unit.lines()?) };
+        let asked = self.unit.units()?;
+        if self.sheet {
+            let sheets: Result<Vec<String>, _> = asked.iter().map(|unit| unit.sheet().markdown(&format)).collect();
+            return print(&sheets?.join("\n"));
+        }
+        std::fs::create_dir_all(&self.out).map_err(|error| {
+            Problem::new(format!("{}: {error}; give another folder with --out", self.out.display()))
+        })?;
+        for unit in asked {
+            let vectors = Vectors::generate(unit.as_ref(), format, count, self.unit.seed)?;
+            let coverage = vectors.coverage(unit.as_ref())?;
+            write_vectors(&self.out, &vectors)?;
+            if self.testbench {
+                let (module, _) = vectors.sheet.rtl();
+                let text = testbench::text(&vectors.sheet, &format)?;
+                write_whole(&self.out.join(format!("{module}_tb.sv")), text.as_bytes())?;
+            }
+            print(&covered(&self.out, &vectors, &coverage))?;
+        }
+        Ok(())
+    }
+}
+
+/// Writes vectors and their tables into a folder.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_vectors(folder: &Path, vectors: &Vectors) -> Outcome<PathBuf> {
+    let path = folder.join(format!("{}.hex", vectors.sheet.name));
+    for (table, text) in vectors.table_texts() {
+        write_whole(&folder.join(format!("{}.{table}.hex", vectors.sheet.name)), text.as_bytes())?;
+    }
+    write_whole(&path, vectors.text().as_bytes())?;
+    Ok(path)
+}
+
+/// What vectors cover, in a line, and a line for each point that they do not.
+fn covered(folder: &Path, vectors: &Vectors, coverage: &Coverage) -> String {
+    let path = folder.join(format!("{}.hex", vectors.sheet.name));
+    let (points, missed) = (coverage.points().len(), coverage.missed().count());
+    let counted = if vectors.sheet.clocked { "cycles" } else { "transactions" };
+    let mut text = format!(
+        "{:<34} {:>8} {counted:<13} {} of {points} points covered\n",
+        path.display(),
+        vectors.inputs.len(),
+        points - missed
+    );
+    for point in coverage.missed() {
+        text += &format!("    not covered: {}\n", point.name);
+    }
+    text
+}

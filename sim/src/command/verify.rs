@@ -1,0 +1,172 @@
+//! `cube3 verify`: units against their specification, and devices under test against golden vectors.
+
+use super::run::print;
+use super::vectors::{UnitArguments, unit, write_vectors};
+use crate::output::write_whole;
+use crate::problem::{Outcome, Problem};
+use clap::Args;
+use cube3_vectors::compare::{explain, first_mismatch};
+use cube3_vectors::{Format, Responses, Unit, VectorFile, Vectors, ranges, waveform};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Lines of a waveform before and behind the mismatch.
+const AROUND: usize = 16;
+
+/// Arguments of `cube3 verify`.
+#[derive(Debug, Args)]
+pub struct VerifyArguments {
+    #[command(flatten)]
+    unit: UnitArguments,
+    /// Take the lines of this vector file, not generated ones.
+    #[arg(long, value_name = "FILE")]
+    vectors: Option<PathBuf>,
+    /// Compare what a device answered: a line of output fields for each line of the vectors.
+    #[arg(long, value_name = "FILE", conflicts_with = "dut")]
+    against: Option<PathBuf>,
+    /// Run a device under test and compare what it answers: %i is the vector file, %o the file for the answers, %d the folder of both.
+    #[arg(long, value_name = "COMMAND")]
+    dut: Option<String>,
+    /// Folder for vectors, answers and the waveform of a mismatch.
+    #[arg(long, value_name = "DIR", default_value = "verify")]
+    out: PathBuf,
+}
+
+impl VerifyArguments {
+    /// Verifies, and prints what was found.
+    ///
+    /// # Errors
+    /// A mismatch, and what else went wrong, in words.
+    pub fn execute(self) -> Outcome<()> {
+        if self.against.is_none() && self.dut.is_none() {
+            if let Some(file) = &self.vectors {
+                let file = file.display();
+                return Err(Problem::new(format!(
+                    "--vectors {file}: nothing to compare with; give --dut COMMAND or --against FILE"
+                )));
+            }
+            return self.own();
+        }
+        let (unit, vectors) = self.stimulus()?;
+        std::fs::create_dir_all(&self.out).map_err(|error| {
+            Problem::new(format!("{}: {error}; give another folder with --out", self.out.display()))
+        })?;
+        let path = write_vectors(&self.out, &vectors)?;
+        let answers = match (&self.against, &self.dut) {
+            (Some(answers), _) => answers.clone(),
+            (None, Some(command)) => run_device(command, &self.out, &path)?,
+            (None, None) => return Ok(()),
+        };
+        let text = std::fs::read_to_string(&answers)
+            .map_err(|error| Problem::new(format!("{}: {error}", answers.display())))?;
+        let responses = Responses::parse(&text, &vectors)
+            .map_err(|error| Problem::new(format!("{}: {error}", answers.display())))?;
+        let Some(mismatch) = first_mismatch(&vectors, &responses) else {
+            let (name, lines) = (vectors.sheet.name, vectors.inputs.len());
+            return print(&format!("{name}: all {lines} lines are equal, bit for bit\n"));
+        };
+        let wave = self.out.join(format!("{}.fst", vectors.sheet.name));
+        let from = mismatch.line.saturating_sub(AROUND);
+        let to = (mismatch.line + AROUND + 1).min(vectors.inputs.len());
+        write_whole(&wave, &waveform::write(unit.as_ref(), &vectors, &responses, from..to)?)?;
+        print(&explain(unit.as_ref(), &vectors, &responses, &mismatch))?;
+        Err(Problem::new(format!(
+            "{}: {} of {} lines differ from the specification, the first is {}; {} shows the lines around it",
+            vectors.sheet.name,
+            mismatch.lines,
+            vectors.inputs.len(),
+            mismatch.line,
+            wave.display()
+        )))
+    }
+
+    /// What drives the device.
+    fn stimulus(&self) -> Outcome<(Box<dyn Unit>, Vectors)> {
+        let Some(path) = &self.vectors else {
+            let name = self.unit.unit.as_deref().ok_or_else(|| {
+                Problem::new("--unit is missing: a device is compared with one unit; `cube3 vectors --list` names them")
+            })?;
+            let unit = unit(name)?;
+            let vectors = Vectors::generate(unit.as_ref(), self.unit.format()?, self.unit.lines()?, self.unit.seed)?;
+            return Ok((unit, vectors));
+        };
+        let place = |what: String| Problem::new(format!("{}: {what}", path.display()));
+        let text = std::fs::read_to_string(path).map_err(|error| place(error.to_string()))?;
+        let file = VectorFile::parse(&text).map_err(|error| place(error.to_string()))?;
+        let unit = unit(&file.unit)?;
+        if self.unit.unit.as_ref().is_some_and(|name| *name != file.unit) {
+            return Err(place(format!("these are vectors of {}; leave out --unit", file.unit)));
+        }
+        let vectors = file.vectors(unit.as_ref()).map_err(|error| place(error.to_string()))?;
+        Ok((unit, vectors))
+    }
+
+    /// Our own lanes against the definition, and wires against their ranges.
+    fn own(&self) -> Outcome<()> {
+        let asked = self.unit.format.is_some() || !self.unit.set.is_empty();
+        let count = self.unit.lines()?;
+        let mut wrong = Vec::new();
+        for unit in self.unit.units()? {
+            let formats: Vec<Format> = if asked { vec![self.unit.format()?] } else { unit.formats() };
+            let name = unit.sheet().name;
+            let (mut lines, mut lanes, mut wires) = (0, 0, 0);
+            for format in &formats {
+                let vectors = Vectors::generate(unit.as_ref(), *format, count, self.unit.seed)?;
+                lines += vectors.inputs.len();
+                if let Some(values) = unit.lanes(format, &vectors.tables, &vectors.inputs) {
+                    lanes += values.len();
+                    let responses = Responses::from_values(&vectors, &values);
+                    if let Some(mismatch) = first_mismatch(&vectors, &responses) {
+                        print(&explain(unit.as_ref(), &vectors, &responses, &mismatch))?;
+                        wrong.push(format!("{name}: lanes differ from the definition"));
+                    }
+                }
+                let found = ranges::search(unit.as_ref(), format, count.min(1000), self.unit.seed)?;
+                wires += found.wires.len();
+                for wire in found.wires.iter().filter(|wire| !wire.holds()) {
+                    wrong.push(format!(
+                        "{name}: the wire {} carries {:?}, beyond {:?}",
+                        wire.path, wire.found, wire.derived
+                    ));
+                }
+            }
+            let lanes =
+                if lanes == 0 { "no lanes of its own".into() } else { format!("{lanes} lines equal in its lanes") };
+            print(&format!(
+                "{name:<14} {:>2} formats  {lines:>7} lines  {lanes:<34} {wires:>4} ranges hold\n",
+                formats.len()
+            ))?;
+        }
+        match wrong.first() {
+            None => Ok(()),
+            Some(first) => Err(Problem::new(format!("{first} ({} found in all)", wrong.len()))),
+        }
+    }
+}
+
+/// Runs a device under test in the shell; where it wrote its answers.
+fn run_device(command: &str, folder: &Path, vectors: &Path) -> Outcome<PathBuf> {
+    if !command.contains("%o") {
+        return Err(Problem::new("--dut: the command has no %o: it must be told where to write its answers"));
+    }
+    let absolute = |path: &Path| std::path::absolute(path).map(|path| path.display().to_string());
+    let answers = vectors.with_extension("out");
+    match std::fs::remove_file(&answers) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            return Err(Problem::new(format!("{}: {error}", answers.display())));
+        }
+        _ => {}
+    }
+    let line = command
+        .replace("%i", &absolute(vectors)?)
+        .replace("%o", &absolute(&answers)?)
+        .replace("%d", &absolute(folder)?);
+    let status = Command::new("sh").args(["-c", &line]).status()?;
+    if !status.success() {
+        return Err(Problem::new(format!("--dut: `{line}` ended with {status}")));
+    }
+    if !answers.exists() {
+        return Err(Problem::new(format!("--dut: `{line}` wrote no {}", answers.display())));
+    }
+    Ok(answers)
+}
