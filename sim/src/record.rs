@@ -1,10 +1,12 @@
 //! The traffic of a real run as vectors: what flowed through a unit of arithmetic or addressing while the machine rendered a frame.
 //!
-//! Lines are in the machine's order: planes of ray slots, slots, depths; beams by plane and depth. Values are those of the unit crates'
+//! Lines are in the machine's order: planes of ray slots, slots, depths; beams by plane and depth. From the ABC units on, the first plane
+//! and the first slot come last where slots are shared, as [`AbcSpec::order`] says. Values are those of the unit crates'
 //! definitions on the frame's registers and voxels, which the cycle machine equals to the bit; channels are those of a timing run.
 
 use crate::machine::{Machine, RunError};
 use crate::trace::{self, Recorder};
+use cube3_abc::AbcSpec;
 use cube3_abc::golden::{
     Light, Local, Neighbourhood, Normal, Shaded, classify_in, halfway, lit, local_gradient, normalise, phong_from,
     reflectance, shade, view_vector,
@@ -323,17 +325,17 @@ impl Frame<'_> {
         Ok(match unit {
             "cfb" => self.addresses(lines),
             "bus" => return self.turns(lines),
-            "dsb" => self.places(|_, slot, depth, _| lines.add(|| vec![slot as i128, depth as i128])),
-            "lerp" | "trilin" => self.places(|_, _, k, ray| {
+            "dsb" => self.places(false, |slot, depth, _| lines.add(|| vec![slot as i128, depth as i128])),
+            "lerp" | "trilin" => self.places(false, |_, k, ray| {
                 if self.setup.geometry.has_sample(ray, k as i64) {
                     lines.add(|| self.interpolation(unit, ray, k))
                 } else {
                     Continue(())
                 }
             }),
-            "leaf" => self.places(|_, _, k, ray| lines.add(|| self.leaf_line(&self.shaded(ray, k)))),
+            "leaf" => self.places(true, |_, k, ray| lines.add(|| self.leaf_line(&self.shaded(ray, k)))),
             "node" | "pixel" | "cone" => self.rays(unit, lines),
-            _ => self.places(|_, _, k, ray| {
+            _ => self.places(true, |_, k, ray| {
                 if self.setup.geometry.has_sample(ray, k as i64) {
                     self.shading(unit, ray, k, lines)
                 } else {
@@ -343,15 +345,26 @@ impl Frame<'_> {
         })
     }
 
+    /// The slots, plane and number, in the order in which a unit has them: the ABC units, whose rays wait for their neighbours, and what
+    /// follows them have the first last where the last slot is followed by the first.
+    fn slots(&self, from_shading_on: bool) -> impl Iterator<Item = [usize; 2]> + use<> {
+        let spec = AbcSpec::new(self.run.machine, self.setup);
+        (0..spec.slots * spec.planes).map(move |place| {
+            let slot = if from_shading_on { spec.order(place) } else { [place / spec.slots, place % spec.slots] };
+            slot.map(|i| i as usize)
+        })
+    }
+
     /// Every plane, slot and depth in order, each with its ray.
-    fn places(&self, mut see: impl FnMut(usize, usize, usize, DiscreteRay) -> ControlFlow<()>) -> ControlFlow<()> {
+    fn places(
+        &self,
+        from_shading_on: bool,
+        mut see: impl FnMut(usize, usize, DiscreteRay) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         let geometry = &self.setup.geometry;
-        let [slots, planes] = geometry.slot_counts();
-        for plane in 0..planes {
-            for slot in 0..slots {
-                for depth in 0..geometry.size[2] {
-                    see(plane, slot, depth, geometry.ray_in_slot(plane, slot, depth))?;
-                }
+        for [plane, slot] in self.slots(from_shading_on) {
+            for depth in 0..geometry.size[2] {
+                see(slot, depth, geometry.ray_in_slot(plane, slot, depth))?;
             }
         }
         Continue(())
@@ -569,39 +582,36 @@ impl Frame<'_> {
     fn rays(&self, unit: &str, lines: &mut Lines) -> ControlFlow<()> {
         let setup = self.setup;
         let (cone, words, geometry) = (&setup.cone, &setup.words, &setup.geometry);
-        let [slots, planes] = geometry.slot_counts();
         let mode = mode_code(cone.mode);
-        for plane in 0..planes {
-            for slot in 0..slots {
-                let at = |k: usize| leaf(&self.shaded(geometry.ray_in_slot(plane, slot, k), k), cone, words);
-                if unit == "cone" {
-                    for chunk in (0..geometry.size[2]).step_by(cone.leaves) {
-                        lines.add(|| self.circle_line([plane, slot, chunk], at))?;
-                    }
-                    continue;
+        for [plane, slot] in self.slots(true) {
+            let at = |k: usize| leaf(&self.shaded(geometry.ray_in_slot(plane, slot, k), k), cone, words);
+            if unit == "cone" {
+                for chunk in (0..geometry.size[2]).step_by(cone.leaves) {
+                    lines.add(|| self.circle_line([plane, slot, chunk], at))?;
                 }
-                let mut flow = Continue(());
-                let rays = segments(setup, plane, slot, at, &mut |left, right| {
-                    if unit == "node" && flow.is_continue() {
-                        flow = lines.add(|| {
-                            let mut line = vec![mode];
-                            node_fields(&mut line, &left);
-                            node_fields(&mut line, &right);
-                            line
-                        });
-                    }
-                    combine(cone.mode, left, right, words)
-                });
-                flow?;
-                if unit == "pixel" {
-                    for Segment { node, .. } in rays {
-                        lines.add(|| {
-                            let mut line = vec![mode, node.present.into()];
-                            fields(&mut line, &node.rgba);
-                            line.push(cone.sum_weight.into());
-                            line
-                        })?;
-                    }
+                continue;
+            }
+            let mut flow = Continue(());
+            let rays = segments(setup, plane, slot, at, &mut |left, right| {
+                if unit == "node" && flow.is_continue() {
+                    flow = lines.add(|| {
+                        let mut line = vec![mode];
+                        node_fields(&mut line, &left);
+                        node_fields(&mut line, &right);
+                        line
+                    });
+                }
+                combine(cone.mode, left, right, words)
+            });
+            flow?;
+            if unit == "pixel" {
+                for Segment { node, .. } in rays {
+                    lines.add(|| {
+                        let mut line = vec![mode, node.present.into()];
+                        fields(&mut line, &node.rgba);
+                        line.push(cone.sum_weight.into());
+                        line
+                    })?;
                 }
             }
         }

@@ -47,7 +47,8 @@ impl Unit for Lines {
 #[derive(Clone, Default)]
 struct Tokens {
     samples: Vec<RaySamples>,
-    shaded: Vec<ShadedSamples>,
+    /// With plane and slot.
+    shaded: Vec<([usize; 2], ShadedSamples)>,
     pixels: Vec<Pixels>,
 }
 
@@ -63,7 +64,7 @@ fn tokens(machine: &MachineSpec, setups: &[FrameSetup], volume: &SmallVolume) ->
             frames[ray.frame as usize].samples.push(ray.data.clone());
         }
         if let Some(ray) = data.shaded.newest().filter(|_| now[1] > pushes[1]) {
-            frames[ray.frame as usize].shaded.push(ray.data.clone());
+            frames[ray.frame as usize].shaded.push(([ray.plane as usize, ray.slot as usize], ray.data.clone()));
         }
         if let Some(group) = data.pixels.newest().filter(|_| now[2] > pushes[2]) {
             frames[group.frame as usize].pixels.push(group.data.clone());
@@ -127,18 +128,21 @@ proptest! {
         for (frame, (setup, tokens)) in setups.iter().zip(tokens(machine, &setups, volume)).enumerate() {
             let [slots, planes] = setup.geometry.slot_counts();
             let depths = setup.geometry.size[2];
-            let lane = |token: usize, k: usize| ray_lane(machine.lanes, token % slots, k);
+            let lane = |slot: usize, k: usize| ray_lane(machine.lanes, slot, k);
             let places = || (0..slots * planes).flat_map(|token| (0..depths).map(move |k| (token, k)));
             let outputs = |name: &str| recorded(&run, of_name(name).as_ref(), frame).map(|vectors| vectors.outputs);
 
             let samples: Vec<Vec<i128>> = places()
-                .map(|(token, k)| (&tokens.samples[token], lane(token, k)))
+                .map(|(token, k)| (&tokens.samples[token], lane(token % slots, k)))
                 .filter(|(ray, lane)| ray.present[*lane])
                 .map(|(ray, lane)| vec![ray.samples[lane].into()])
                 .collect();
             prop_assert_eq!(outputs("trilin").unwrap_or_default(), samples);
 
-            let at = |token: usize, k: usize| leaf(&tokens.shaded[token].0[lane(token, k)], &setup.cone, &setup.words);
+            let at = |token: usize, k: usize| {
+                let ([_, slot], shaded) = &tokens.shaded[token];
+                leaf(&shaded.0[lane(*slot, k)], &setup.cone, &setup.words)
+            };
             let fields = |node: Node| {
                 let mut fields = vec![node.present.into(), node.sample.into()];
                 fields.extend(node.rgba.map(i128::from));
@@ -154,7 +158,8 @@ proptest! {
             let mut rays = Vec::new();
             for token in 0..slots * planes {
                 let at = |k: usize| at(token, k);
-                rays.extend(segments(setup, token / slots, token % slots, at, &mut |left, right| {
+                let [plane, slot] = tokens.shaded[token].0;
+                rays.extend(segments(setup, plane, slot, at, &mut |left, right| {
                     let Some((inputs, outputs)) = calls.next() else {
                         wrong += 1;
                         return Node::default();
@@ -273,11 +278,10 @@ proptest! {
                 let cued = |line: &Vec<i128>| cube3_abc::golden::cued(Reader::new(line).words(), line[3] as u32, words);
                 coloured = lines.iter().map(cued).collect();
             }
-            let [slots, planes] = setup.geometry.slot_counts();
             let mut expected = Vec::new();
-            for token in 0..slots * planes {
+            for ([_, slot], shaded) in &tokens.shaded {
                 for k in 0..setup.geometry.size[2] {
-                    let shaded = tokens.shaded[token].0[ray_lane(machine.lanes, token % slots, k)];
+                    let shaded = shaded.0[ray_lane(machine.lanes, *slot, k)];
                     if shaded.present && shaded.opacity > 0 {
                         expected.push((shaded.opacity, shaded.colour));
                     }
