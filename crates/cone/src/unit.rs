@@ -117,7 +117,7 @@ pub fn segments(
     }
     let mut rays: Vec<Segment> = Vec::new();
     for chunk in (0..geometry.size[2]).step_by(cone.leaves) {
-        let of = |place: usize| place_of_circle(setup, [plane, slot, chunk], place, &at);
+        let of = |place: usize| place_of_circle(setup, [plane, slot, chunk], place, at);
         let part = circle_by(cone.leaves, slot % cone.leaves, of, node);
         if rays.is_empty() {
             rays = part;
