@@ -702,11 +702,9 @@ fn channel(run: &Run<'_>, window: &Window<'_>, format: &mut Format) -> Result<Ve
         done = recorder.run(&mut machine, cycles.to, &|_, _| {}).map_err(RunError::from)?;
         let see = |events: &trace::Events| {
             let pushed = events.pushed[place].is_some();
-            if empty || !lines.is_empty() {
-                if lines.len() < window.count {
-                    let data = if pushed { i128::from(token & 0xffff) } else { 0 };
-                    lines.push(vec![pushed.into(), data, events.popped[place].is_some().into()]);
-                }
+            if (empty || !lines.is_empty()) && lines.len() < window.count {
+                let data = if pushed { i128::from(token & 0xffff) } else { 0 };
+                lines.push(vec![pushed.into(), data, events.popped[place].is_some().into()]);
             }
             token += u64::from(pushed);
             empty = events.occupancy[place] == 0;
