@@ -8,7 +8,7 @@ use crate::fidelity::{Cycle, Fidelity, Timing};
 use crate::host_port::{Collector, HostCounters, HostPort, NoHost};
 use crate::links::{RayWords, channels};
 use crate::trace::{Token, TokenKind};
-use cube3_abc::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, Shader};
+use cube3_abc::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, ShadedSamples, Shader};
 use cube3_cfb::golden::Skew;
 use cube3_cfb::memory::{MemoryCounters, Modules};
 use cube3_cfb::{AcquisitionPort, Beam, CfbSpec, CfbUnit, Fetch, FrameBuffer, FrameBufferError, NoVoxels, PortSpec};
@@ -16,11 +16,11 @@ use cube3_channel::{
     Account, Activity, Archive, ArchiveError, Archived, Channel, ChannelCounters, ChannelError, Deadlock, PortState,
     Wait, diagnose,
 };
-use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelGroup, Reduce, Reducer};
+use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelGroup, Pixels, Reduce, Reducer};
 use cube3_dsb::bus::{Align, BusCounters, BusUnit, NoBus};
 use cube3_dsb::{DsbSpec, DsbUnit, NoPlanes, PlaneStore, RayPair, Rotator, Store};
 use cube3_host::{AcquisitionMode, BasePlane, ChannelSize, FrameSetup, MachineSpec};
-use cube3_trilin::{Interpolate, Interpolator, NoSamples, SampleRay, TrilinSpec, TrilinUnit};
+use cube3_trilin::{Interpolate, Interpolator, NoSamples, RaySamples, SampleRay, TrilinSpec, TrilinUnit};
 
 /// Units of a machine, a unit with two ports counted twice.
 pub const UNITS: usize = 8;
@@ -234,6 +234,11 @@ impl Machine<Cycle> {
         self.acquire(port);
     }
 
+    /// The channels of samples, of coloured samples and of pixels, for a look at their tokens between two cycles.
+    pub fn data(&self) -> Data<'_> {
+        Data { samples: &self.samples, shaded: &self.shaded, pixels: &self.pixels }
+    }
+
     /// Words that were saturated, by wire, over all frames.
     pub fn overflows(&self) -> Overflows {
         let shading = self.abc.arithmetic().map(Shader::overflows).sum();
@@ -244,6 +249,17 @@ impl Machine<Cycle> {
     pub fn into_base_planes(self) -> Vec<BasePlane> {
         self.host.into_collectors().map(|collector| collector.base).collect()
     }
+}
+
+/// Channels whose tokens carry what the arithmetic made.
+#[derive(Clone, Copy, Debug)]
+pub struct Data<'a> {
+    /// From TRILIN to the ABC units.
+    pub samples: &'a Channel<SampleRay<RaySamples>>,
+    /// From the ABC units to the cone.
+    pub shaded: &'a Channel<ShadedRay<ShadedSamples>>,
+    /// From the cone to the host.
+    pub pixels: &'a Channel<PixelGroup<Pixels>>,
 }
 
 /// Words that were saturated, by wire.

@@ -22,6 +22,17 @@ pub struct Segment {
 /// node joins the last segment of its left child with the first of its right one if they are of the same ray, and
 /// passes on the others.
 pub fn circle(count: usize, start: usize, of: impl Fn(usize) -> Segment, mode: Mode, words: &Words) -> Vec<Segment> {
+    circle_by(count, start, of, &mut |left, right| combine(mode, left, right, words))
+}
+
+/// [`circle`] with `node(left, right)` for each node that joins two stretches of a ray, level by level from the start.
+#[inline]
+pub fn circle_by(
+    count: usize,
+    start: usize,
+    of: impl Fn(usize) -> Segment,
+    node: &mut impl FnMut(Node, Node) -> Node,
+) -> Vec<Segment> {
     // The segments of all nodes of a level, one node after the other, and how many each has. A level is made in the place of
     // the one before, which it never overtakes.
     let mut segments: Vec<Segment> = (0..count).map(|i| of((start + i) % count)).collect();
@@ -29,22 +40,22 @@ pub fn circle(count: usize, start: usize, of: impl Fn(usize) -> Segment, mode: M
     while counts.len() > 1 {
         let nodes = counts.len();
         let (mut read, mut written) = (0, 0);
-        for node in 0..nodes.div_ceil(2) {
-            let left = counts[2 * node];
+        for place in 0..nodes.div_ceil(2) {
+            let left = counts[2 * place];
             segments.copy_within(read..read + left, written);
             read += left;
             let mut end = written + left;
-            if let Some(&right) = counts.get(2 * node + 1) {
+            if let Some(&right) = counts.get(2 * place + 1) {
                 let behind = read + right;
                 if segments[end - 1].ray == segments[read].ray {
-                    segments[end - 1].node = combine(mode, segments[end - 1].node, segments[read].node, words);
+                    segments[end - 1].node = node(segments[end - 1].node, segments[read].node);
                     read += 1;
                 }
                 segments.copy_within(read..behind, end);
                 end += behind - read;
                 read = behind;
             }
-            counts[node] = end - written;
+            counts[place] = end - written;
             written = end;
         }
         counts.truncate(nodes.div_ceil(2));
@@ -55,10 +66,20 @@ pub fn circle(count: usize, start: usize, of: impl Fn(usize) -> Segment, mode: M
 
 /// The same front to back, for a chain or an accumulator: `of(depth)` is the sample at a depth.
 pub fn in_order(depths: usize, of: impl Fn(usize) -> Segment, mode: Mode, words: &Words) -> Vec<Segment> {
+    in_order_by(depths, of, &mut |left, right| combine(mode, left, right, words))
+}
+
+/// [`in_order`] with `node(left, right)` for each node.
+#[inline]
+pub fn in_order_by(
+    depths: usize,
+    of: impl Fn(usize) -> Segment,
+    node: &mut impl FnMut(Node, Node) -> Node,
+) -> Vec<Segment> {
     let mut segments: Vec<Segment> = Vec::new();
     for next in (0..depths).map(of) {
         match segments.last_mut().filter(|last| last.ray == next.ray) {
-            Some(last) => last.node = combine(mode, last.node, next.node, words),
+            Some(last) => last.node = node(last.node, next.node),
             None => segments.push(next),
         }
     }
@@ -67,12 +88,18 @@ pub fn in_order(depths: usize, of: impl Fn(usize) -> Segment, mode: Mode, words:
 
 /// Appends the segments of what lies behind.
 pub fn join(left: &mut Vec<Segment>, right: Vec<Segment>, mode: Mode, words: &Words) {
+    join_by(left, right, &mut |left, right| combine(mode, left, right, words));
+}
+
+/// [`join`] with `node(left, right)` for the node that joins two stretches of a ray.
+#[inline]
+pub fn join_by(left: &mut Vec<Segment>, right: Vec<Segment>, node: &mut impl FnMut(Node, Node) -> Node) {
     let mut right = right.into_iter();
     if let Some(last) = left.last_mut()
         && let Some(first) = right.next()
     {
         if last.ray == first.ray {
-            last.node = combine(mode, last.node, first.node, words);
+            last.node = node(last.node, first.node);
         } else {
             left.push(first);
         }

@@ -13,4 +13,4 @@ mod unit;
 
 pub use segments::PixelCounts;
 pub use spec::ConeSpec;
-pub use unit::{ConeUnit, NoPixels, Pixel, PixelGroup, Pixels, Reduce, Reducer};
+pub use unit::{ConeUnit, NoPixels, Pixel, PixelGroup, Pixels, Reduce, Reducer, place_of_circle, segments};

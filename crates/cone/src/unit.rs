@@ -7,8 +7,8 @@
 //! A slot that several rays share gives several pixels at once.
 
 use crate::ConeSpec;
-use crate::golden::{Node, leaf, pixel};
-use crate::lanes::{Segment, circle, in_order, join};
+use crate::golden::{Node, combine, leaf, pixel};
+use crate::lanes::{Segment, circle_by, in_order_by, join_by};
 use cube3_abc::{ShadedRay, ShadedSamples};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
 use cube3_dsb::golden::ray_lane;
@@ -88,15 +88,9 @@ impl Reduce for Reducer {
     type Output = Pixels;
 
     fn reduce(&mut self, setup: &FrameSetup, plane: usize, slot: usize, input: &ShadedSamples, output: &mut Pixels) {
-        let (cone, words, geometry) = (&setup.cone, &setup.words, &setup.geometry);
-        let at = |depth: usize| {
-            let shaded = &input.0[ray_lane(cone.leaves, slot, depth)];
-            Segment { ray: geometry.ray_in_slot(plane, slot, depth), node: leaf(shaded, cone, words) }
-        };
-        let rays = match cone.order {
-            ConeOrder::Tree => tree(setup, geometry.ray_in_slot(plane, slot, geometry.size[2] - 1), slot, at),
-            ConeOrder::FrontToBack => in_order(geometry.size[2], at, cone.mode, words),
-        };
+        let (cone, words) = (&setup.cone, &setup.words);
+        let at = |depth: usize| leaf(&input.0[ray_lane(cone.leaves, slot, depth)], cone, words);
+        let rays = segments(setup, plane, slot, at, &mut |left, right| combine(cone.mode, left, right, words));
         output.0.clear();
         for segment in rays {
             let counted = pixel(segment.node, cone, words);
@@ -106,26 +100,50 @@ impl Reduce for Reducer {
     }
 }
 
-/// The chunks of a slot through the circle of leaves; `last` is the ray at its last depth, `at(depth)` the sample at a depth.
-fn tree(setup: &FrameSetup, last: DiscreteRay, slot: usize, at: impl Fn(usize) -> Segment) -> Vec<Segment> {
-    let (cone, words) = (&setup.cone, &setup.words);
-    let depths = setup.geometry.size[2];
+/// The rays of a slot, in order of depth, from the node of the leaf `at(depth)` at each depth: `node(left, right)` is what a node makes
+/// of two stretches of a ray, called in the order of the cone's nodes.
+#[inline]
+pub fn segments(
+    setup: &FrameSetup,
+    plane: usize,
+    slot: usize,
+    at: impl Fn(usize) -> Node,
+    node: &mut impl FnMut(Node, Node) -> Node,
+) -> Vec<Segment> {
+    let (cone, geometry) = (&setup.cone, &setup.geometry);
+    let at = |depth: usize| Segment { ray: geometry.ray_in_slot(plane, slot, depth), node: at(depth) };
+    if cone.order == ConeOrder::FrontToBack {
+        return in_order_by(geometry.size[2], at, node);
+    }
     let mut rays: Vec<Segment> = Vec::new();
-    for chunk in (0..depths).step_by(cone.leaves) {
-        // Leaf `place` of the circle has the depth that is skewed to it; places beyond the ray have nothing.
-        let start = slot % cone.leaves;
-        let of = |place: usize| {
-            let depth = chunk + (place + cone.leaves - start) % cone.leaves;
-            if depth < depths { at(depth) } else { Segment { ray: last, node: Node::default() } }
-        };
-        let part = circle(cone.leaves, start, of, cone.mode, words);
+    for chunk in (0..geometry.size[2]).step_by(cone.leaves) {
+        let of = |place: usize| place_of_circle(setup, [plane, slot, chunk], place, at);
+        let part = circle_by(cone.leaves, slot % cone.leaves, of, node);
         if rays.is_empty() {
             rays = part;
         } else {
-            join(&mut rays, part, cone.mode, words);
+            join_by(&mut rays, part, node);
         }
     }
     rays
+}
+
+/// What leaf `place` of the circle has of the chunk from depth `chunk` on: the depth that is skewed to it; places beyond the ray have
+/// nothing, of the ray at the slot's last depth.
+#[inline]
+pub fn place_of_circle(
+    setup: &FrameSetup,
+    [plane, slot, chunk]: [usize; 3],
+    place: usize,
+    at: impl Fn(usize) -> Segment,
+) -> Segment {
+    let (leaves, depths) = (setup.cone.leaves, setup.geometry.size[2]);
+    let depth = chunk + (place + leaves - slot % leaves) % leaves;
+    if depth < depths {
+        at(depth)
+    } else {
+        Segment { ray: setup.geometry.ray_in_slot(plane, slot, depths - 1), node: Node::default() }
+    }
 }
 
 /// The cone unit.

@@ -34,8 +34,22 @@ impl Vectors {
     /// # Errors
     /// An expression of the sheet without a value.
     pub fn of(unit: &dyn Unit, format: Format, seed: u64, inputs: Vec<Vec<i128>>) -> Result<Vectors, ExpressionError> {
-        let sheet = unit.sheet();
         let tables = unit.tables(&format);
+        Vectors::with_tables(unit, format, seed, tables, inputs)
+    }
+
+    /// Lines with these inputs, and other contents of the tables than the unit's own.
+    ///
+    /// # Errors
+    /// An expression of the sheet without a value.
+    pub fn with_tables(
+        unit: &dyn Unit,
+        format: Format,
+        seed: u64,
+        tables: Tables,
+        inputs: Vec<Vec<i128>>,
+    ) -> Result<Vectors, ExpressionError> {
+        let sheet = unit.sheet();
         let fields = [Sheet::fields(&sheet.inputs, &format)?, Sheet::fields(&sheet.outputs, &format)?];
         let outputs = unit.run(&format, &tables, &inputs);
         Ok(Vectors { sheet, format, seed, tables, fields, inputs, outputs })

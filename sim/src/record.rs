@@ -1,0 +1,719 @@
+//! The traffic of a real run as vectors: what flowed through a unit of arithmetic or addressing while the machine rendered a frame.
+//!
+//! Lines are in the machine's order: planes of ray slots, slots, depths; beams by plane and depth. From the ABC units on, the first plane
+//! and the first slot come last where slots are shared, as [`AbcSpec::order`] says. Values are those of the unit crates'
+//! definitions on the frame's registers and voxels, which the cycle machine equals to the bit; channels are those of a timing run.
+
+use crate::machine::{Machine, RunError};
+use crate::trace::{self, Recorder};
+use cube3_abc::AbcSpec;
+use cube3_abc::golden::{
+    Light, Local, Neighbourhood, Normal, Shaded, classify_in, halfway, lit, local_gradient, normalise, phong_from,
+    reflectance, shade, view_vector,
+};
+use cube3_cfb::golden::Skew;
+use cube3_cfb::{FrameBuffer, FrameBufferError, scan};
+use cube3_cone::golden::{Node, combine, leaf};
+use cube3_cone::lanes::Segment;
+use cube3_cone::{place_of_circle, segments};
+use cube3_host::{
+    ConeOrder, DiscreteRay, FrameSetup, GradientMethod, GradientScale, LinearFactor, MachineSpec, Phong, RaySlots,
+    Shading,
+};
+use cube3_scene::Mode;
+use cube3_trilin::golden::{Weights, cell, lift};
+use cube3_vectors::{ExpressionError, Format, Tables, Unit, Vectors};
+use std::convert::Infallible;
+use std::ops::ControlFlow::{self, Break, Continue};
+
+/// Most rays that share a slot of the unit `cone`.
+const RAYS: usize = 3;
+
+/// Cycles that are recorded of a timing run at a time.
+const CYCLES: u64 = 4096;
+
+/// A run: a machine, the frames that it renders one after another, and a volume of voxel words, x fastest.
+#[derive(Clone, Copy, Debug)]
+pub struct Run<'a> {
+    /// The machine.
+    pub machine: &'a MachineSpec,
+    /// The registers of its frames.
+    pub frames: &'a [FrameSetup],
+    /// Voxels along x, y, z.
+    pub dims: [usize; 3],
+    /// Voxel words.
+    pub voxels: &'a [u16],
+}
+
+/// Which part of the traffic.
+#[derive(Clone, Copy, Debug)]
+pub struct Window<'a> {
+    /// The frame, from 0; of a picture in perspective, its passes are frames.
+    pub frame: usize,
+    /// The first transaction of the unit in that frame, from 0; of a channel the first cycle of the run.
+    pub first: usize,
+    /// How many at most.
+    pub count: usize,
+    /// The channel that is taken for the unit `channel`, by its name in traces.
+    pub channel: &'a str,
+}
+
+/// Why there is no recording.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// A frame that is not there.
+    #[error("the picture has {frames} frames, and frame {frame} was asked for, counted from 0")]
+    Frame {
+        /// Asked for.
+        frame: usize,
+        /// There.
+        frames: usize,
+    },
+    /// A unit that does nothing in the frame.
+    #[error("the unit {unit} carries nothing in this frame: {reason}")]
+    Idle {
+        /// The unit.
+        unit: &'static str,
+        /// Why not.
+        reason: String,
+    },
+    /// A window behind the last transaction.
+    #[error("the unit {unit} has {found} transactions in this frame, and the window starts at {first}, counted from 0")]
+    Beyond {
+        /// The unit.
+        unit: &'static str,
+        /// Transactions of the frame.
+        found: usize,
+        /// First one asked for.
+        first: usize,
+    },
+    /// A channel that is never empty again.
+    #[error(
+        "the channel {channel} is not empty in any cycle from {first} on, and vectors of a channel begin with an empty one: start earlier"
+    )]
+    Held {
+        /// The channel.
+        channel: String,
+        /// The first cycle asked for.
+        first: usize,
+    },
+    /// No channel of that name.
+    #[error("the machine has no channel \"{channel}\"; its channels are {names}")]
+    Channel {
+        /// The name.
+        channel: String,
+        /// Those that there are.
+        names: String,
+    },
+    /// A value that the unit's sheet does not allow.
+    #[error(
+        "transaction {line} has {field} = {value}, and vectors of the unit {unit} hold {low} to {high} in this format: {remedy}"
+    )]
+    Value {
+        /// The unit.
+        unit: &'static str,
+        /// Transaction of the recording, from 0.
+        line: usize,
+        /// The field.
+        field: String,
+        /// Its value.
+        value: i128,
+        /// The lowest.
+        low: i128,
+        /// The highest.
+        high: i128,
+        /// What to change.
+        remedy: &'static str,
+    },
+    /// A sheet.
+    #[error(transparent)]
+    Expression(#[from] ExpressionError),
+    /// The machine.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The frame buffer.
+    #[error(transparent)]
+    FrameBuffer(#[from] FrameBufferError),
+}
+
+/// The vectors of a unit from a run: the format is the machine's with what the frame's registers set, and tables are the frame's.
+///
+/// - `lerp` is the first along w of each TRILIN unit: of rays (u, v).
+/// - From the gradient on, samples inside of every half-space; from the light on, those of them that are not transparent. `clip`
+///   has a line for each half-space.
+/// - `leaf` has a line for every depth of every slot, `node` one for each call of a node, in the order of the tree.
+/// - `cone` has a line for each chunk of a slot, of a tree with as many leaves as the machine has lanes.
+/// - `cfb` and `bus` are what beams are read and turned by, `dsb` where rays are read.
+/// - `channel` begins at the first cycle of the window in which the channel is empty; data are the tokens' numbers modulo 2^16.
+///
+/// # Errors
+/// A window or channel that is not there, a unit that the frame does not use, traffic that the unit's vectors cannot hold.
+pub fn record(run: &Run<'_>, unit: &dyn Unit, window: &Window<'_>) -> Result<Vectors, RecordError> {
+    let name = unit.sheet().name;
+    let frames = run.frames.len();
+    let setup = run.frames.get(window.frame).ok_or(RecordError::Frame { frame: window.frame, frames })?;
+    let mut format = format(run, setup, name);
+    let inputs = if name == "channel" {
+        channel(run, window, &mut format)?
+    } else {
+        let frame = Frame { run, setup };
+        if let Some(reason) = frame.idle(name) {
+            return Err(RecordError::Idle { unit: name, reason });
+        }
+        let mut lines = Lines { first: window.first, count: window.count, seen: 0, lines: Vec::new() };
+        let _ = frame.traffic(name, &mut lines)?;
+        if lines.lines.is_empty() && lines.seen <= window.first && window.count > 0 {
+            return Err(RecordError::Beyond { unit: name, found: lines.seen, first: window.first });
+        }
+        lines.lines
+    };
+    let tables = tables(setup, name, unit, &format);
+    let vectors = Vectors::with_tables(unit, format, 0, tables, Vec::new())?;
+    check(&vectors, &inputs)?;
+    Ok(Vectors::with_tables(unit, format, 0, vectors.tables, inputs)?)
+}
+
+/// Whether the unit's vectors hold the lines.
+fn check(vectors: &Vectors, inputs: &[Vec<i128>]) -> Result<(), RecordError> {
+    for (line, inputs) in inputs.iter().enumerate() {
+        for (field, &value) in vectors.fields[0].iter().zip(inputs) {
+            let [low, high] = field.range;
+            if !(low..=high).contains(&value) {
+                let unit = vectors.sheet.name;
+                let remedy = "take a smaller volume or another view";
+                return Err(RecordError::Value { unit, line, field: field.name.clone(), value, low, high, remedy });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The format of a unit in a frame.
+fn format(run: &Run<'_>, setup: &FrameSetup, unit: &str) -> Format {
+    let machine = run.machine;
+    let mut format = Format { words: setup.words, ..Format::of(machine) };
+    format.lanes = if unit == "cone" { setup.cone.leaves } else { machine.lanes } as u32;
+    format.dims = run.dims.map(|n| n as u32);
+    if let Some(scale) = setup.gradient.and_then(|registers| registers.scale) {
+        format.kept_bits = scale.kept_bits;
+    }
+    if let Some(table) = &setup.normaliser {
+        format.root_bits = table.root_bits;
+    }
+    match &setup.shading {
+        Some(Shading::Phong(phong)) => {
+            format.power_bits = phong.power_bits;
+            format.lights = phong.lights.len().max(1) as u32;
+        }
+        Some(Shading::Table(table)) => format.reflectance_bits = table.bits,
+        None => {}
+    }
+    format.rows = setup.classification.gradient_rows.map_or(1, |rows| rows.rows);
+    format.classes = setup.rays.as_ref().map_or(1, |rays| rays.length_classes);
+    format
+}
+
+/// The contents of a unit's tables in a frame.
+fn tables(setup: &FrameSetup, name: &str, unit: &dyn Unit, format: &Format) -> Tables {
+    let words = |table: &[u32]| table.iter().map(|&entry| entry.into()).collect::<Vec<i128>>();
+    let packed = |table: &[[u32; 3]], bits: u32| {
+        let pack = |entry: &[u32; 3]| (0..3).map(|i| i128::from(entry[i]) << (bits * i as u32)).sum();
+        table.iter().map(pack).collect::<Vec<i128>>()
+    };
+    let colour_bits = setup.words.colour_bits;
+    match (name, &setup.normaliser, &setup.shading) {
+        ("normalise", Some(normaliser), _) => vec![words(&normaliser.root)],
+        ("classify", ..) => {
+            vec![words(&setup.classification.opacity), packed(&setup.classification.colour, colour_bits)]
+        }
+        ("phong", _, Some(Shading::Phong(phong))) => vec![words(&phong.power)],
+        ("reflectance", _, Some(Shading::Table(table))) => {
+            vec![packed(&table.diffuse, colour_bits + 4), packed(&table.specular, colour_bits + 4)]
+        }
+        _ => unit.tables(format),
+    }
+}
+
+/// The name of the unit of a gradient's method.
+fn gradient_unit(method: GradientMethod) -> &'static str {
+    match method {
+        GradientMethod::Six => "gradient-6",
+        GradientMethod::TwentySix => "gradient-26",
+        GradientMethod::Ten | GradientMethod::TenNormalised => "gradient-10",
+        GradientMethod::Twelve => "gradient-12",
+        GradientMethod::SixSheared => "gradient-6d",
+        GradientMethod::TwentySixSheared => "gradient-26d",
+    }
+}
+
+/// The code of a mode in vectors.
+fn mode_code(mode: Mode) -> i128 {
+    Mode::ALL.iter().position(|&other| other == mode).unwrap_or(0) as i128
+}
+
+/// The lines of a window, as they go by.
+struct Lines {
+    first: usize,
+    count: usize,
+    /// Lines so far, those before the window included.
+    seen: usize,
+    lines: Vec<Vec<i128>>,
+}
+
+impl Lines {
+    /// The next line; made only where it is in the window. Ends where the window does.
+    fn add(&mut self, line: impl FnOnce() -> Vec<i128>) -> ControlFlow<()> {
+        if self.lines.len() == self.count {
+            return Break(());
+        }
+        if self.seen >= self.first {
+            self.lines.push(line());
+        }
+        self.seen += 1;
+        if self.lines.len() == self.count { Break(()) } else { Continue(()) }
+    }
+}
+
+/// Fields of a line from words.
+fn fields<T: Into<i128> + Copy>(line: &mut Vec<i128>, words: &[T]) {
+    line.extend(words.iter().map(|&word| word.into()));
+}
+
+/// A frame of a run.
+struct Frame<'a> {
+    run: &'a Run<'a>,
+    setup: &'a FrameSetup,
+}
+
+impl Frame<'_> {
+    /// Why the frame does not use a unit, where it does not.
+    fn idle(&self, unit: &str) -> Option<String> {
+        let setup = self.setup;
+        let geometry = &setup.geometry;
+        let parallel = geometry.perspective.is_none();
+        match unit {
+            gradient if gradient.starts_with("gradient-") => match &setup.gradient {
+                None => Some("nothing reads a gradient; shade the picture".into()),
+                Some(registers) if gradient_unit(registers.method) != gradient => {
+                    Some(format!("the machine's gradient is the unit {}", gradient_unit(registers.method)))
+                }
+                Some(_) => None,
+            },
+            "normalise" if setup.normaliser.is_none() => Some("nothing reads a gradient's direction or length".into()),
+            "phong" if !matches!(setup.shading, Some(Shading::Phong(_))) => {
+                Some("it does not shade by Phong's formula".into())
+            }
+            "reflectance" if !matches!(setup.shading, Some(Shading::Table(_))) => {
+                Some("it does not shade by a reflectance table".into())
+            }
+            "lit" if setup.shading.is_none() => Some("it is not shaded".into()),
+            "cue" if setup.depth_cue.is_none() => Some("it has no depth cue".into()),
+            "clip" if setup.clips.is_empty() => Some("it has no cut plane and no crop box".into()),
+            "clip" if !parallel => {
+                Some("in perspective half-spaces are evaluated at places, not by ray and depth".into())
+            }
+            "cone" if setup.cone.order != ConeOrder::Tree => Some("its cone is no tree".into()),
+            "bus" if !(parallel && geometry.slots == RaySlots::Wrapped && geometry.size[0] == self.run.machine.lanes) => {
+                Some("its beams are not turned as a whole; take a parallel view of a volume with as many voxels a side as the machine has lanes".into())
+            }
+            _ => None,
+        }
+    }
+
+    /// Sends the lines of a unit.
+    fn traffic(&self, unit: &str, lines: &mut Lines) -> Result<ControlFlow<()>, FrameBufferError> {
+        Ok(match unit {
+            "cfb" => self.addresses(lines),
+            "bus" => return self.turns(lines),
+            "dsb" => self.places(false, |slot, depth, _| lines.add(|| vec![slot as i128, depth as i128])),
+            "lerp" | "trilin" => self.places(false, |_, k, ray| {
+                if self.setup.geometry.has_sample(ray, k as i64) {
+                    lines.add(|| self.interpolation(unit, ray, k))
+                } else {
+                    Continue(())
+                }
+            }),
+            "leaf" => self.places(true, |_, k, ray| lines.add(|| self.leaf_line(&self.shaded(ray, k)))),
+            "node" | "pixel" | "cone" => self.rays(unit, lines),
+            _ => self.places(true, |_, k, ray| {
+                if self.setup.geometry.has_sample(ray, k as i64) {
+                    self.shading(unit, ray, k, lines)
+                } else {
+                    Continue(())
+                }
+            }),
+        })
+    }
+
+    /// The slots, plane and number, in the order in which a unit has them: the ABC units, whose rays wait for their neighbours, and what
+    /// follows them have the first last where the last slot is followed by the first.
+    fn slots(&self, from_shading_on: bool) -> impl Iterator<Item = [usize; 2]> + use<> {
+        let spec = AbcSpec::new(self.run.machine, self.setup);
+        (0..spec.slots * spec.planes).map(move |place| {
+            let slot = if from_shading_on { spec.order(place) } else { [place / spec.slots, place % spec.slots] };
+            slot.map(|i| i as usize)
+        })
+    }
+
+    /// Every plane, slot and depth in order, each with its ray.
+    fn places(
+        &self,
+        from_shading_on: bool,
+        mut see: impl FnMut(usize, usize, DiscreteRay) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let geometry = &self.setup.geometry;
+        for [plane, slot] in self.slots(from_shading_on) {
+            for depth in 0..geometry.size[2] {
+                see(slot, depth, geometry.ray_in_slot(plane, slot, depth))?;
+            }
+        }
+        Continue(())
+    }
+
+    /// The voxels that are read, beam by beam.
+    fn addresses(&self, lines: &mut Lines) -> ControlFlow<()> {
+        let geometry = &self.setup.geometry;
+        for (plane, depth, row) in scan(geometry) {
+            let below = if geometry.doubled() { geometry.row_below(plane as usize, depth as usize) } else { None };
+            for v in [Some(row as usize), below].into_iter().flatten() {
+                for u in 0..geometry.size[0] {
+                    let xyz = geometry.axes.voxel(geometry.size, [u, v, depth as usize]);
+                    lines.add(|| xyz.map(|i| i as i128).to_vec())?;
+                }
+            }
+        }
+        Continue(())
+    }
+
+    /// The beams that are turned, rows and columns modulo the lanes.
+    fn turns(&self, lines: &mut Lines) -> Result<ControlFlow<()>, FrameBufferError> {
+        let (machine, geometry) = (self.run.machine, &self.setup.geometry);
+        let skew = Skew { coefficients: machine.cfb.skew, lanes: machine.lanes };
+        let buffer = FrameBuffer::with_layout(skew, machine.cfb.layout, self.run.dims, self.run.voxels)?;
+        let mut beam = Vec::new();
+        Ok(scan(geometry).try_for_each(|(_, depth, row)| {
+            lines.add(|| {
+                buffer.fetch(&geometry.axes, row as usize, depth as usize, &mut beam);
+                let column = geometry.u.columns[depth as usize] as usize;
+                let mut line = [row as usize, column].map(|i| (i % machine.lanes) as i128).to_vec();
+                fields(&mut line, &beam);
+                line
+            })
+        }))
+    }
+
+    /// The voxel words around a sample: `[w][v][u]`.
+    fn voxels(&self, ray: DiscreteRay, k: usize) -> [[[u16; 2]; 2]; 2] {
+        let (geometry, [nx, ny, _]) = (&self.setup.geometry, self.run.dims);
+        [0, 1].map(|w| {
+            [0, 1].map(|v| {
+                [0, 1].map(|u| {
+                    let voxel = geometry.corner(ray, k, [w, v, u]).and_then(|uvw| {
+                        let [x, y, z] = geometry.axes.voxel(geometry.size, uvw);
+                        self.run.voxels.get(x + nx * (y + ny * z))
+                    });
+                    voxel.copied().unwrap_or(0)
+                })
+            })
+        })
+    }
+
+    fn interpolation(&self, unit: &str, ray: DiscreteRay, k: usize) -> Vec<i128> {
+        let (geometry, words) = (&self.setup.geometry, &self.setup.words);
+        let voxels = self.voxels(ray, k);
+        if unit == "lerp" {
+            let [near, far] = [0, 1].map(|w| i128::from(lift(voxels[w][0][0], words)));
+            return vec![near, far, geometry.offset.into()];
+        }
+        let mut line = Vec::new();
+        fields(&mut line, voxels.as_flattened().as_flattened());
+        fields(&mut line, &[geometry.offset]);
+        fields(&mut line, &geometry.weights(ray, k));
+        line
+    }
+
+    /// The sample k of a ray, where it is in the volume.
+    fn sample(&self, ray: DiscreteRay, k: i64) -> Option<i32> {
+        let geometry = &self.setup.geometry;
+        if !geometry.has_sample(ray, k) {
+            return None;
+        }
+        let corners = self.voxels(ray, k as usize).map(|w| w.map(|v| v.map(|word| lift(word, &self.setup.words))));
+        let [u, v] = geometry.weights(ray, k as usize);
+        Some(cell(corners, Weights { w: geometry.offset, u, v }, &self.setup.words))
+    }
+
+    fn around(&self, ray: DiscreteRay, k: i64) -> Neighbourhood {
+        let border = self.setup.gradient.map_or(0, |registers| registers.border);
+        [-1, 0, 1].map(|w| {
+            [-1, 0, 1].map(|v| {
+                [-1, 0, 1].map(|u| self.sample(DiscreteRay { u: ray.u + u, v: ray.v + v }, k + w).unwrap_or(border))
+            })
+        })
+    }
+
+    /// What the ABC unit makes of a depth of a slot.
+    fn shaded(&self, ray: DiscreteRay, k: usize) -> Shaded {
+        if !self.setup.geometry.has_sample(ray, k as i64) {
+            return Shaded::default();
+        }
+        shade(&self.around(ray, k as i64), [ray.u, ray.v, k as i64], self.setup).value
+    }
+
+    /// The stages of shading that a sample of the volume goes through, in the order of [`shade`]: adds the line of the unit asked for.
+    fn shading(&self, unit: &str, ray: DiscreteRay, k: usize, lines: &mut Lines) -> ControlFlow<()> {
+        let setup = self.setup;
+        let (words, geometry) = (&setup.words, &setup.geometry);
+        let at = [ray.u, ray.v, k as i64];
+        let mut inside = true;
+        for clip in &setup.clips {
+            inside &= geometry.evaluate(&clip.distance, at) >= 0;
+            if unit == "clip" {
+                let distance = &clip.distance;
+                let steps = [distance.u, distance.v, distance.k, distance.constant];
+                lines.add(|| at.into_iter().chain(steps).map(i128::from).collect())?;
+            }
+        }
+        if !inside || unit == "clip" {
+            return Continue(());
+        }
+        let mut gradient = [0; 3];
+        let mut sample = None;
+        if let Some(registers) = &setup.gradient {
+            let around = self.around(ray, k as i64);
+            let local = Local::new(at, registers, setup);
+            if unit == gradient_unit(registers.method) {
+                return lines.add(|| gradient_line(&around, &local));
+            }
+            gradient = local_gradient(&around, registers, &local, words).value;
+            sample = Some(around[1][1][1]);
+        }
+        let sample = sample.or_else(|| self.sample(ray, k as i64)).unwrap_or(0);
+        let mut normal = Normal { direction: [0; 3], magnitude: 0 };
+        if let Some(table) = &setup.normaliser {
+            if unit == "normalise" {
+                return lines.add(|| gradient.map(i128::from).to_vec());
+            }
+            normal = normalise(gradient, table, words);
+        }
+        let [row, column] = if setup.rays.is_some() { geometry.slot_of(ray) } else { [0; 2] };
+        let class = setup.rays.as_ref().map_or(0, |rays| rays.length_class(row, column));
+        let table = &setup.classification;
+        if unit == "classify" {
+            return lines.add(|| {
+                let [low, high] = table.threshold;
+                let shift = table.gradient_rows.map_or(0, |rows| rows.shift);
+                let mut line = vec![sample.into()];
+                fields(&mut line, &[normal.magnitude, class, low, high, shift]);
+                line
+            });
+        }
+        let Some((opacity, colour)) = classify_in(class, sample, normal.magnitude, table) else {
+            return Continue(());
+        };
+        if opacity == 0 {
+            return Continue(());
+        }
+        let mut coloured = colour;
+        let light = match &setup.shading {
+            Some(Shading::Phong(phong)) => {
+                let towards = self.towards(phong, row, column);
+                if unit == "phong" {
+                    return lines.add(|| phong_line(normal.direction, phong, &towards));
+                }
+                Some(phong_from(normal.direction, phong, |light| towards[light], words))
+            }
+            Some(Shading::Table(table)) => {
+                if unit == "reflectance" {
+                    return lines.add(|| {
+                        let mut line = gradient.map(i128::from).to_vec();
+                        fields(&mut line, &[table.flat]);
+                        line
+                    });
+                }
+                Some(reflectance(gradient, table))
+            }
+            None => None,
+        };
+        if let Some(light) = light {
+            if unit == "lit" {
+                return lines.add(|| lit_line(colour, light));
+            }
+            coloured = lit(colour, light, words).value;
+        }
+        if let Some(cue) = &setup.depth_cue
+            && unit == "cue"
+        {
+            return lines.add(|| {
+                let mut line = coloured.map(i128::from).to_vec();
+                fields(&mut line, &[LinearFactor::word(geometry.evaluate(&cue.factor, at))]);
+                line
+            });
+        }
+        Continue(())
+    }
+
+    /// The direction of each light and what is halfway between it and the eye, for the ray in a slot.
+    fn towards(&self, phong: &Phong, row: usize, column: usize) -> Vec<[[i32; 3]; 2]> {
+        let words = &self.setup.words;
+        let (Some(rays), Some(table)) = (&self.setup.rays, &self.setup.normaliser) else {
+            return phong.lights.iter().map(|light| [light.direction, light.halfway]).collect();
+        };
+        let view = view_vector(row, column, rays, table, words);
+        let towards = |(light, &at_eye): (&cube3_host::PhongLight, &bool)| {
+            if at_eye { [view; 2] } else { [light.direction, halfway(light.direction, view, table, words)] }
+        };
+        phong.lights.iter().zip(&rays.at_eye).map(towards).collect()
+    }
+
+    fn leaf_line(&self, shaded: &Shaded) -> Vec<i128> {
+        let cone = &self.setup.cone;
+        let mut line = vec![mode_code(cone.mode), cone.opaque.into()];
+        if shaded.present {
+            line.extend([1, shaded.sample.into(), shaded.opacity.into()]);
+            fields(&mut line, &shaded.colour);
+        } else {
+            line.extend([0; 6]);
+        }
+        line
+    }
+
+    /// The slots through the cone: its nodes, what it is given, or its pixels.
+    fn rays(&self, unit: &str, lines: &mut Lines) -> ControlFlow<()> {
+        let setup = self.setup;
+        let (cone, words, geometry) = (&setup.cone, &setup.words, &setup.geometry);
+        let mode = mode_code(cone.mode);
+        for [plane, slot] in self.slots(true) {
+            let at = |k: usize| leaf(&self.shaded(geometry.ray_in_slot(plane, slot, k), k), cone, words);
+            if unit == "cone" {
+                for chunk in (0..geometry.size[2]).step_by(cone.leaves) {
+                    lines.add(|| self.circle_line([plane, slot, chunk], at))?;
+                }
+                continue;
+            }
+            let mut flow = Continue(());
+            let rays = segments(setup, plane, slot, at, &mut |left, right| {
+                if unit == "node" && flow.is_continue() {
+                    flow = lines.add(|| {
+                        let mut line = vec![mode];
+                        node_fields(&mut line, &left);
+                        node_fields(&mut line, &right);
+                        line
+                    });
+                }
+                combine(cone.mode, left, right, words)
+            });
+            flow?;
+            if unit == "pixel" {
+                for Segment { node, .. } in rays {
+                    lines.add(|| {
+                        let mut line = vec![mode, node.present.into()];
+                        fields(&mut line, &node.rgba);
+                        line.push(cone.sum_weight.into());
+                        line
+                    })?;
+                }
+            }
+        }
+        Continue(())
+    }
+
+    /// A chunk of a slot on the circle of leaves.
+    fn circle_line(&self, place: [usize; 3], at: impl Fn(usize) -> Node) -> Vec<i128> {
+        let (cone, geometry) = (&self.setup.cone, &self.setup.geometry);
+        let [plane, slot, _] = place;
+        let start = slot % cone.leaves;
+        let segment = |k: usize| Segment { ray: geometry.ray_in_slot(plane, slot, k), node: at(k) };
+        let leaves: Vec<Segment> =
+            (0..cone.leaves).map(|leaf| place_of_circle(self.setup, place, leaf, segment)).collect();
+        // Rays are numbered in order of depth: from the start leaf on.
+        let mut rays: Vec<DiscreteRay> = (0..cone.leaves).map(|i| leaves[(start + i) % cone.leaves].ray).collect();
+        rays.dedup();
+        let number = |leaf: &Segment| rays.iter().position(|ray| *ray == leaf.ray).unwrap_or(RAYS) as i128;
+        let mut line = vec![mode_code(cone.mode), start as i128];
+        line.extend(leaves.iter().map(|leaf| i128::from(leaf.node.present)));
+        line.extend(leaves.iter().map(|leaf| i128::from(leaf.node.sample)));
+        leaves.iter().for_each(|leaf| fields(&mut line, &leaf.node.rgba));
+        line.extend(leaves.iter().map(number));
+        line
+    }
+}
+
+fn node_fields(line: &mut Vec<i128>, node: &Node) {
+    line.extend([i128::from(node.present), node.sample.into()]);
+    fields(line, &node.rgba);
+}
+
+fn gradient_line(around: &Neighbourhood, local: &Local) -> Vec<i128> {
+    let one = 1 << GradientScale::FACTOR_BITS;
+    let mut line = Vec::new();
+    fields(&mut line, around.as_flattened().as_flattened());
+    for shears in [local.here, local.behind, local.before] {
+        fields(&mut line, &shears);
+    }
+    fields(&mut line, &local.mirrored);
+    fields(&mut line, &local.factors.unwrap_or([one; 3]));
+    fields(&mut line, &[local.nearness.unwrap_or(one)]);
+    line
+}
+
+/// A frame without lights has one that gives none.
+fn phong_line(normal: [i32; 3], phong: &Phong, towards: &[[[i32; 3]; 2]]) -> Vec<i128> {
+    let mut line = normal.map(i128::from).to_vec();
+    line.extend([i128::from(phong.ambient), phong.two_sided.into()]);
+    if phong.lights.is_empty() {
+        line.extend([0; 12]);
+    }
+    towards.iter().for_each(|[direction, _]| fields(&mut line, direction));
+    towards.iter().for_each(|[_, half]| fields(&mut line, half));
+    phong.lights.iter().for_each(|light| fields(&mut line, &light.diffuse));
+    phong.lights.iter().for_each(|light| fields(&mut line, &light.specular));
+    line
+}
+
+fn lit_line(colour: [u32; 3], light: Light) -> Vec<i128> {
+    let mut line = colour.map(i128::from).to_vec();
+    fields(&mut line, &light.diffuse);
+    fields(&mut line, &light.specular);
+    line
+}
+
+/// The cycles of a channel in a timing run of all frames.
+fn channel(run: &Run<'_>, window: &Window<'_>, format: &mut Format) -> Result<Vec<Vec<i128>>, RecordError> {
+    let mut machine = Machine::timing(run.machine, run.frames.to_vec())?;
+    let joints = Machine::<crate::fidelity::Timing>::JOINTS;
+    let names = || joints.map(|joint| joint.channel).join(", ");
+    let place = joints.iter().position(|joint| joint.channel == window.channel);
+    let place = place.ok_or_else(|| RecordError::Channel { channel: window.channel.to_owned(), names: names() })?;
+    let reading = machine.counters().channels[place];
+    (format.capacity, format.latency) = (reading.capacity as u32, reading.latency as u32);
+    let first = window.first as u64;
+    machine.run_until(first, &|_, _| {}).map_err(RunError::from)?;
+    if machine.now() < first {
+        return Err(RecordError::Beyond { unit: "channel", found: machine.now() as usize, first: window.first });
+    }
+    let mut token = machine.counters().channels[place].counters.pushes;
+    let mut empty = machine.counters().channels[place].occupancy == 0;
+    let (mut lines, mut done) = (Vec::new(), false);
+    while !done && lines.len() < window.count {
+        let from = machine.now();
+        let cycles = trace::Window { from, to: from + CYCLES };
+        let mut recorder = Recorder::new(&machine, cycles, run.machine.clock_hz);
+        done = recorder.run(&mut machine, cycles.to, &|_, _| {}).map_err(RunError::from)?;
+        let see = |events: &trace::Events| {
+            let pushed = events.pushed[place].is_some();
+            if (empty || !lines.is_empty()) && lines.len() < window.count {
+                let data = if pushed { i128::from(token & 0xffff) } else { 0 };
+                lines.push(vec![pushed.into(), data, events.popped[place].is_some().into()]);
+            }
+            token += u64::from(pushed);
+            empty = events.occupancy[place] == 0;
+            Ok::<(), Infallible>(())
+        };
+        let Ok(()) = recorder.finish().replay(see);
+    }
+    if lines.is_empty() && window.count > 0 {
+        return Err(RecordError::Held { channel: window.channel.to_owned(), first: window.first });
+    }
+    Ok(lines)
+}
