@@ -82,9 +82,9 @@ module cube3_abc_unit #(
     localparam integer G = GRADIENT_BITS + KEPT_BITS;
     // Planes in the ring, a power of two so that the lowest bits of a plane's number are its place.
     localparam integer RING_BITS = 2;
-    localparam [P+1:0] RING = 1 << RING_BITS;
+    localparam [P+1:0] RING = (P+2)'(1 << RING_BITS);
     // The number of a shared slot or plane: the lowest bits.
-    localparam [P-1:0] SHARED = N - 1;
+    localparam [P-1:0] SHARED = P'(N - 1);
 
     // Which ray is given next: the e-th has the number of plane and slot that follows, where the last is followed by the first.
     reg [P-1:0] give_plane;
@@ -107,7 +107,9 @@ module cube3_abc_unit #(
     wire room = done || {2'b00, in_plane} < {2'b00, oldest} + RING;
     assign pop = valid && room;
     wire [N*S-1:0] in_ray;
-    cube3_turn_unit #(.N(N), .WORD(S), .BACK(1)) turn_in (.in(front[2*P+:N*S]), .by(in_slot[L-1:0]), .out(in_ray));
+    cube3_turn #(.ITEMS(N), .WIDTH(S), .AMOUNT_BITS(L)) turn_in (
+        .amount(in_slot[L-1:0]), .items(front[2*P+:N*S]), .turned(in_ray)
+    );
 
     // The newest ray that has been taken, this cycle's included; none before the first.
     reg any;
@@ -165,17 +167,17 @@ module cube3_abc_unit #(
     cube3_place_unit #(.N(N), .PADDED(PADDED)) place_u (
         .slot(slot), .wrapped(wrapped), .columns(columns_u), .spans(spans_u), .column(column_u),
         /* verilator lint_off PINCONNECTEMPTY */
-        .turns(), .inside()
+        .turns(), .held_in()
         /* verilator lint_on PINCONNECTEMPTY */
     );
     cube3_place_unit #(.N(N), .PADDED(PADDED)) place_v (
         .slot(plane), .wrapped(wrapped), .columns(columns_v), .spans(spans_v), .column(column_v),
         /* verilator lint_off PINCONNECTEMPTY */
-        .turns(), .inside()
+        .turns(), .held_in()
         /* verilator lint_on PINCONNECTEMPTY */
     );
-    cube3_neighbour_unit #(.N(N)) neighbour_u (.column(column_u), .columns(columns_u), .spans(spans_u), .inside(inside_u));
-    cube3_neighbour_unit #(.N(N)) neighbour_v (.column(column_v), .columns(columns_v), .spans(spans_v), .inside(inside_v));
+    cube3_neighbour_unit #(.N(N)) neighbour_u (.column(column_u), .columns(columns_u), .spans(spans_u), .held_in(inside_u));
+    cube3_neighbour_unit #(.N(N)) neighbour_v (.column(column_v), .columns(columns_v), .spans(spans_v), .held_in(inside_v));
 
     // The neighbourhood, samples in order of depth: [w][v][u] as golden.rs numbers it; what the method does not read is 0.
     wire [27*N*S-1:0] around;
@@ -190,25 +192,27 @@ module cube3_abc_unit #(
                 wire kept = closes[1] && there[P-1:1] == {P - 1{1'b0}};
                 wire [N*S-1:0] held = kept ? first[{there[0], at}] : ring[{there[RING_BITS-1:0], at}];
                 wire bypass = pop && in_plane == there && in_slot == at;
-                wire [N*S-1:0] samples = bypass ? in_ray : held;
+                // verilator lint_off UNUSEDSIGNAL
+                wire [N*S-1:0] samples = bypass ? in_ray : held;  // No method reads every depth of every ray.
+                // verilator lint_on UNUSEDSIGNAL
                 for (w = 0; w < 3; w = w + 1) begin : slice
                     localparam integer U = u - 1;
                     localparam integer V = v - 1;
                     localparam integer W = w - 1;
                     localparam integer FAR = U * U + V * V + W * W;
-                    localparam integer READS =
-                        METHOD == 6 || METHOD == 61 ? (FAR == 1) :
-                        METHOD == 10 ? (FAR == 1 || (FAR == 2 && W != 0)) :
-                        METHOD == 12 ? (FAR == 1 || (W != 0 && U * W <= 0 && V * W <= 0)) : 1;
+                    localparam [0:0] READS =
+                        METHOD == 6 || METHOD == 61 ? FAR == 1 :
+                        METHOD == 10 ? FAR == 1 || (FAR == 2 && W != 0) :
+                        METHOD == 12 ? FAR == 1 || (W != 0 && U * W <= 0 && V * W <= 0) : 1'b1;
                     for (k = 0; k < N; k = k + 1) begin : depth
                         localparam integer PLACE = (w * 9 + v * 3 + u) * N + k;
-                        if (FAR != 0 && READS == 0) begin : unread
+                        if (FAR != 0 && !READS) begin : unread
                             assign around[PLACE*S+:S] = {S{1'b0}};
                         end else if (k + w < 1 || k + w > N) begin : beyond
                             assign around[PLACE*S+:S] = border;
                         end else begin : read
-                            wire inside = inside_u[(w*3+u)*N+k] && inside_v[(w*3+v)*N+k];
-                            assign around[PLACE*S+:S] = inside ? samples[(k+w-1)*S+:S] : border;
+                            wire there_is = inside_u[(w*3+u)*N+k] && inside_v[(w*3+v)*N+k];
+                            assign around[PLACE*S+:S] = there_is ? samples[(k+w-1)*S+:S] : border;
                         end
                     end
                 end
@@ -286,6 +290,8 @@ module cube3_abc_unit #(
     end
 
     wire [N*LEAF-1:0] turned;
-    cube3_turn_unit #(.N(N), .WORD(LEAF)) turn_out (.in(leaves), .by(slot[L-1:0]), .out(turned));
+    cube3_turn #(.ITEMS(N), .WIDTH(LEAF), .AMOUNT_BITS(L)) turn_out (
+        .amount(-slot[L-1:0]), .items(leaves), .turned(turned)
+    );
     assign token = {turned, slot, plane};
 endmodule

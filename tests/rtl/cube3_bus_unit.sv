@@ -40,7 +40,10 @@ module cube3_bus_unit #(
     // Slot of voxel 0: minus X(k), from the leftmost ray where slots are padded.
     wire [L:0] column = columns[depth*(L+1)+:L+1];
     wire [L:0] shear = columns[(N-1)*(L+1)+:L+1];
-    wire [L-1:0] turn = wrapped ? column[L-1:0] : column[L-1:0] - shear[L-1:0];
+    // verilator lint_off UNUSEDSIGNAL
+    wire [L:0] left = wrapped ? column : column - shear;  // Shared slots are turned by its lower bits alone.
+    // verilator lint_on UNUSEDSIGNAL
+    wire [L-1:0] turn = left[L-1:0];
     wire [N*VOXEL_BITS-1:0] turned;
     cube3_bus #(
         .LANES(N), .VOXEL_BITS(VOXEL_BITS)
@@ -51,8 +54,8 @@ module cube3_bus_unit #(
         .column({{12-L{1'b0}}, turn}),
         .voxel(beam),
         /* verilator lint_off PINCONNECTEMPTY */
-        .rotation()  // For the vectors; the words are turned inside.
-        /* verilator lint_on PINCONNECTEMPTY */,
+        .rotation(),  // For the vectors; the words are turned inside.
+        /* verilator lint_on PINCONNECTEMPTY */
         .out(turned)
     );
 
@@ -61,11 +64,11 @@ module cube3_bus_unit #(
     generate
         if (PADDED != 0) begin : padded
             for (m = 0; m < N; m = m + 1) begin : lane
-                localparam [L-1:0] NUMBER = m;
+                localparam [L-1:0] NUMBER = L'(m);
                 // The slot in lane m is x - X(k) + shear; it is among the first N or the second.
                 wire [L-1:0] x = NUMBER - depth + turn;
-                wire [L+1:0] slot = {2'b00, x} + {1'b0, shear} - {1'b0, column};
-                wire second = !wrapped && slot[L];
+                wire [L:0] slot = {1'b0, x} - left;
+                wire second = slot[L] && !wrapped;
                 wire [VOXEL_BITS-1:0] word = turned[m*VOXEL_BITS+:VOXEL_BITS];
                 assign words[m*VOXEL_BITS+:VOXEL_BITS] = second ? {VOXEL_BITS{1'b0}} : word;
                 assign words[(N+m)*VOXEL_BITS+:VOXEL_BITS] = second ? word : {VOXEL_BITS{1'b0}};

@@ -23,7 +23,6 @@ module cube3_cfb_unit #(
     input wire wrapped,
     input wire [1:0] axis_u,
     input wire [1:0] axis_v,
-    input wire [1:0] axis_w,
     input wire [2:0] reversed,
     input wire [N*(L+1)-1:0] rows,
     // Voxels.
@@ -74,19 +73,21 @@ module cube3_cfb_unit #(
     genvar m;
     generate
         for (m = 0; m < N; m = m + 1) begin : module_
-            localparam [L-1:0] NUMBER = m;
+            localparam [L-1:0] NUMBER = L'(m);
             wire [L-1:0] along_u = NUMBER - along_v - along_w;
             wire [L-1:0] x = axis_u == 2'd0 ? along_u : axis_v == 2'd0 ? along_v : along_w;
             wire [L-1:0] y = axis_u == 2'd1 ? along_u : axis_v == 2'd1 ? along_v : along_w;
             wire [L-1:0] z = axis_u == 2'd2 ? along_u : axis_v == 2'd2 ? along_v : along_w;
-            wire [35:0] address;
+            // verilator lint_off UNUSEDSIGNAL
+            wire [35:0] address;  // A module has N x N words.
+            // verilator lint_on UNUSEDSIGNAL
             cube3_cfb #(
                 .LANES(N), .NX(N), .NY(N), .NZ(N)
             ) place (
                 .x({{12-L{1'b0}}, x}), .y({{12-L{1'b0}}, y}), .z({{12-L{1'b0}}, z}),
                 /* verilator lint_off PINCONNECTEMPTY */
-                .\module ()  // It is m: along_u was chosen for it.
-                /* verilator lint_on PINCONNECTEMPTY */,
+                .\module (), // It is m: along_u was chosen for it.
+                /* verilator lint_on PINCONNECTEMPTY */
                 .address(address)
             );
             reg [VOXEL_BITS-1:0] memory[0:N*N-1];

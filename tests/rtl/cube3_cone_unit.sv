@@ -58,13 +58,13 @@ module cube3_cone_unit #(
     cube3_place_unit #(.N(N), .PADDED(PADDED)) place_u (
         .slot(slot), .wrapped(wrapped), .columns(columns_u), .spans({N{2'd0}}), .turns(turns_u),
         /* verilator lint_off PINCONNECTEMPTY */
-        .column(), .inside()
+        .column(), .held_in()
         /* verilator lint_on PINCONNECTEMPTY */
     );
     cube3_place_unit #(.N(N), .PADDED(PADDED)) place_v (
         .slot(plane), .wrapped(wrapped), .columns(columns_v), .spans({N{2'd0}}), .turns(turns_v),
         /* verilator lint_off PINCONNECTEMPTY */
-        .column(), .inside()
+        .column(), .held_in()
         /* verilator lint_on PINCONNECTEMPTY */
     );
     wire together = turns_u == turns_v;
@@ -77,7 +77,9 @@ module cube3_cone_unit #(
             assign numbers[2*k+:2] = {both, (turns_u[k] || turns_v[k]) && !both};
         end
     endgenerate
-    cube3_turn_unit #(.N(N), .WORD(2)) turn_numbers (.in(numbers), .by(slot[L-1:0]), .out(leaf_ray));
+    cube3_turn #(.ITEMS(N), .WIDTH(2), .AMOUNT_BITS(L)) turn_numbers (
+        .amount(-slot[L-1:0]), .items(numbers), .turned(leaf_ray)
+    );
 
     wire [N-1:0] leaf_present;
     wire [N*S-1:0] leaf_sample;
@@ -115,7 +117,7 @@ module cube3_cone_unit #(
     wire [L:0] shear_v = wrapped ? {L + 1{1'b0}} : columns_v[(N-1)*(L+1)+:L+1];
     wire [R-1:0] first_u = {{R-P{1'b0}}, slot} - {1'b0, shear_u};
     wire [R-1:0] first_v = {{R-P{1'b0}}, plane} - {1'b0, shear_v};
-    localparam [R-1:0] SIDE = N;
+    localparam [R-1:0] SIDE = R'(N);
     // The second ray of three has turned along one axis only: the one that has turned at more depths.
     wire [N-1:0] only_u = turns_u & ~turns_v;
     wire [N-1:0] only_v = turns_v & ~turns_u;
@@ -133,7 +135,7 @@ module cube3_cone_unit #(
         for (k = 0; k < 3; k = k + 1) begin : ray
             cube3_pixel #(
                 .ACCUMULATOR_BITS(A), .NEAREST(NEAREST)
-            ) pixel (
+            ) host_pixel (
                 .mode(mode), .present(seg_present[k]), .rgba(seg_rgba[4*k*NODE+:4*NODE]), .sum_weight(sum_weight),
                 .pixel(token[2+6*R+4*k*A+:4*A]), .overflow(saturated[4*k+:4])
             );

@@ -37,7 +37,7 @@ module cube3_dsb_unit #(
     output wire [1:0] read_activity
 );
     localparam integer B = $clog2(PLANES);
-    localparam [B-1:0] LAST_BUFFER = PLANES - 1;
+    localparam [B-1:0] LAST_BUFFER = B'(PLANES - 1);
 
     // Read port.
     reg [P:0] written;
@@ -61,7 +61,7 @@ module cube3_dsb_unit #(
     wire [L-1:0] in_depth = front[P+:L];
     wire in_volume = front[P+L];
     wire [P:0] released = done || plane_ends ? plane_after : {1'b0, plane};
-    localparam [P+1:0] RING = PLANES;
+    localparam [P+1:0] RING = (P+2)'(PLANES);
     wire room = {2'b00, in_plane} < {1'b0, released} + RING;
     assign pop = valid && room;
     assign write_activity = !valid ? 2'd1 : room ? 2'd0 : 2'd2;
@@ -98,7 +98,7 @@ module cube3_dsb_unit #(
     generate
         for (c = 0; c < CHUNKS; c = c + 1) begin : chunk
             for (m = 0; m < N; m = m + 1) begin : module_
-                localparam [L-1:0] NUMBER = m;
+                localparam [L-1:0] NUMBER = L'(m);
                 reg [VOXEL_BITS-1:0] ring[0:PLANES*N-1];
                 reg [VOXEL_BITS-1:0] first[0:N-1];
                 wire [VOXEL_BITS-1:0] in_word =

@@ -51,7 +51,9 @@ module cube3_pipeline #(
     input wire rst,
     input wire load,
     input wire load_voxel,
-    input wire [31:0] load_address,
+    // verilator lint_off UNUSEDSIGNAL
+    input wire [31:0] load_address,  // As many bits as registers and voxels need.
+    // verilator lint_on UNUSEDSIGNAL
     input wire [31:0] load_data,
     // The pixels of a slot: their number, and ray and colour of each, in order of depth.
     output wire pixel_valid,
@@ -179,7 +181,7 @@ module cube3_pipeline #(
     // Units.
     cube3_cfb_unit #(.N(N), .PADDED(PADDED), .VOXEL_BITS(VOXEL_BITS)) cfb (
         .clk(clk), .rst(rst), .planes(planes), .wrapped(wrapped), .axis_u(register[4][1:0]), .axis_v(register[5][1:0]),
-        .axis_w(register[6][1:0]), .reversed(register[7][2:0]), .rows(columns_v), .write(load && load_voxel),
+        .reversed(register[7][2:0]), .rows(columns_v), .write(load && load_voxel),
         .write_address(load_address[3*L-1:0]), .write_data(load_data[VOXEL_BITS-1:0]), .can_push(can_push[0]), .push(push[0]),
         .token(beam_in), .activity(activities[1:0])
     );

@@ -17,10 +17,10 @@ module cube3_place_unit #(
     input wire [N*2-1:0] spans,
     output wire [N*C-1:0] column,
     output wire [N-1:0] turns,
-    output wire [N-1:0] inside
+    output wire [N-1:0] held_in
 );
     wire [L:0] shear = columns[(N-1)*(L+1)+:L+1];
-    localparam [C:0] SIDE = N;
+    localparam [C:0] SIDE = (C+1)'(N);
     genvar k;
     generate
         for (k = 0; k < N; k = k + 1) begin : depth
@@ -29,7 +29,7 @@ module cube3_place_unit #(
             assign turns[k] = wrapped && reach[C-1:L] != {C-L{1'b0}};
             assign column[k*C+:C] = wrapped ? {{C-L{1'b0}}, reach[L-1:0]} : reach - {1'b0, shear};
             wire [C:0] end_ = {column[k*C+C-1], column[k*C+:C]} + {{C-1{1'b0}}, span};
-            assign inside[k] = span != 2'd3 && !column[k*C+C-1] && end_ < SIDE;
+            assign held_in[k] = span != 2'd3 && !column[k*C+C-1] && end_ < SIDE;
         end
     endgenerate
 endmodule

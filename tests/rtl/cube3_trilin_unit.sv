@@ -45,11 +45,11 @@ module cube3_trilin_unit #(
     wire [P-1:0] in_plane = front[P-1:0];
     wire [P-1:0] in_slot = front[P+:P];
     wire [2*N*VOXEL_BITS-1:0] in_pair;
-    cube3_turn_unit #(.N(N), .WORD(VOXEL_BITS), .BACK(1)) turn_ray (
-        .in(front[2*P+:N*VOXEL_BITS]), .by(in_slot[L-1:0]), .out(in_pair[0+:N*VOXEL_BITS])
+    cube3_turn #(.ITEMS(N), .WIDTH(VOXEL_BITS), .AMOUNT_BITS(L)) turn_ray (
+        .amount(in_slot[L-1:0]), .items(front[2*P+:N*VOXEL_BITS]), .turned(in_pair[0+:N*VOXEL_BITS])
     );
-    cube3_turn_unit #(.N(N), .WORD(VOXEL_BITS), .BACK(1)) turn_below (
-        .in(front[2*P+N*VOXEL_BITS+:N*VOXEL_BITS]), .by(in_slot[L-1:0]), .out(in_pair[N*VOXEL_BITS+:N*VOXEL_BITS])
+    cube3_turn #(.ITEMS(N), .WIDTH(VOXEL_BITS), .AMOUNT_BITS(L)) turn_below (
+        .amount(in_slot[L-1:0]), .items(front[2*P+N*VOXEL_BITS+:N*VOXEL_BITS]), .turned(in_pair[N*VOXEL_BITS+:N*VOXEL_BITS])
     );
 
     // The first pair of the plane and the newest, in order of depth; and the plane whose last ray has been taken and not given.
@@ -83,16 +83,16 @@ module cube3_trilin_unit #(
     cube3_place_unit #(.N(N), .PADDED(PADDED)) place_u (
         .slot(slot), .wrapped(wrapped), .columns(columns_u), .spans(spans_u),
         /* verilator lint_off PINCONNECTEMPTY */
-        .column(), .turns()
-        /* verilator lint_on PINCONNECTEMPTY */,
-        .inside(in_u)
+        .column(), .turns(),
+        /* verilator lint_on PINCONNECTEMPTY */
+        .held_in(in_u)
     );
     cube3_place_unit #(.N(N), .PADDED(PADDED)) place_v (
         .slot(plane), .wrapped(wrapped), .columns(columns_v), .spans(spans_v),
         /* verilator lint_off PINCONNECTEMPTY */
-        .column(), .turns()
-        /* verilator lint_on PINCONNECTEMPTY */,
-        .inside(in_v)
+        .column(), .turns(),
+        /* verilator lint_on PINCONNECTEMPTY */
+        .held_in(in_v)
     );
 
     wire [N*S-1:0] samples;
@@ -135,6 +135,8 @@ module cube3_trilin_unit #(
     endgenerate
 
     wire [N*S-1:0] turned;
-    cube3_turn_unit #(.N(N), .WORD(S)) turn_samples (.in(samples), .by(slot[L-1:0]), .out(turned));
+    cube3_turn #(.ITEMS(N), .WIDTH(S), .AMOUNT_BITS(L)) turn_samples (
+        .amount(-slot[L-1:0]), .items(samples), .turned(turned)
+    );
     assign token = {turned, slot, plane};
 endmodule

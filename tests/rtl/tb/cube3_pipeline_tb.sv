@@ -63,6 +63,7 @@ module cube3_pipeline_tb;
     integer repeat_;
     integer run;
     integer i;
+    integer p;
     integer file;
     integer activity_file;
     reg writes;
@@ -90,10 +91,10 @@ module cube3_pipeline_tb;
     // Pixels and activities are those before the edge.
     always @(posedge clk) begin
         if (writes && pixel_valid) begin
-            for (i = 0; i < pixel_count; i = i + 1) begin
-                $fdisplay(file, "pixel %0d %0d %h %h %h %h", $signed(pixel_u[i*R+:R]), $signed(pixel_v[i*R+:R]),
-                          pixel_rgba[4*i*A+:A], pixel_rgba[(4*i+1)*A+:A], pixel_rgba[(4*i+2)*A+:A],
-                          pixel_rgba[(4*i+3)*A+:A]);
+            for (p = 0; p < pixel_count; p = p + 1) begin
+                $fdisplay(file, "pixel %0d %0d %h %h %h %h", $signed(pixel_u[p*R+:R]), $signed(pixel_v[p*R+:R]),
+                          pixel_rgba[4*p*A+:A], pixel_rgba[(4*p+1)*A+:A], pixel_rgba[(4*p+2)*A+:A],
+                          pixel_rgba[(4*p+3)*A+:A]);
             end
         end
         if (activity_file != 0 && writes && !rst && !done) $fdisplay(activity_file, "%h", activities);
