@@ -1,5 +1,7 @@
 //! Random machines, scenes and volumes for the tests that cross crates.
 
+pub mod rtl_pipeline;
+
 use cube3_host::{
     Abc, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, GradientMethod, HostLink, Layout,
     MachineSpec, MemoryModel, RaySlots, Rays, Reuse, ShadingUnit, TemplateRule, Trilin, VolumeInfo,

@@ -4,7 +4,6 @@
 // frame so often and writes the last time; +activity=FILE writes each cycle's activity of the units, the last unit first.
 // A line of the output is `pixel U V R G B A` (U and V decimal, colours hex), then `cycles`, `account` for each unit, `occupancy`
 // for each channel, `overflows`, all decimal.
-`timescale 1ns / 1ns
 module cube3_pipeline_tb;
     parameter integer N = 8;
     parameter integer PADDED = 0;
