@@ -146,7 +146,7 @@ impl Design {
 }
 
 /// The settings of Verilator for speed.
-pub const FAST: [&str; 9] = [
+pub const FAST: [&str; 10] = [
     "-O3",
     "--x-assign",
     "fast",
@@ -155,7 +155,8 @@ pub const FAST: [&str; 9] = [
     "--noassert",
     "-CFLAGS",
     "-O3 -march=native",
-    "-MAKEFLAGS=OPT_FAST=-O3",
+    "-MAKEFLAGS",
+    "OPT_FAST=-O3",
 ];
 
 impl RtlRun {
