@@ -7,13 +7,15 @@
 //! A slot that several rays share gives several pixels at once.
 
 use crate::ConeSpec;
-use crate::golden::{Node, leaf, pixel};
-use crate::lanes::{Segment, circle, in_order, join};
+use crate::golden::{Node, combine, leaf, pixel};
+use crate::lanes::{Segment, in_order, tree_of_ray};
 use cube3_abc::{ShadedRay, ShadedSamples};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
 use cube3_dsb::golden::ray_lane;
 use cube3_host::{ConeOrder, DiscreteRay, FrameSetup};
+use cube3_scene::Mode;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// A pixel of the base plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -71,9 +73,11 @@ impl Archived for NoPixels {
 }
 
 /// The cone's nodes.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Reducer {
     overflows: u64,
+    /// The leaves of a ray: their memory.
+    leaves: Vec<Node>,
 }
 
 impl Reducer {
@@ -93,39 +97,47 @@ impl Reduce for Reducer {
             let shaded = &input.0[ray_lane(cone.leaves, slot, depth)];
             Segment { ray: geometry.ray_in_slot(plane, slot, depth), node: leaf(shaded, cone, words) }
         };
-        let rays = match cone.order {
-            ConeOrder::Tree => tree(setup, geometry.ray_in_slot(plane, slot, geometry.size[2] - 1), slot, at),
-            ConeOrder::FrontToBack => in_order(geometry.size[2], at, cone.mode, words),
-        };
         output.0.clear();
-        for segment in rays {
-            let counted = pixel(segment.node, cone, words);
+        let mut send = |Segment { ray, node }: Segment| {
+            let counted = pixel(node, cone, words);
             self.overflows += u64::from(counted.overflows);
-            output.0.push(Pixel { ray: segment.ray, rgba: counted.value });
+            output.0.push(Pixel { ray, rgba: counted.value });
+        };
+        if cone.order == ConeOrder::FrontToBack {
+            in_order(geometry.size[2], at, cone.mode, words).into_iter().for_each(send);
+            return;
+        }
+        let mut first = 0;
+        while first < geometry.size[2] {
+            let end = geometry.ray_end(plane, slot, first);
+            let node = tree(setup, slot, first..end, input, &mut self.leaves);
+            send(Segment { ray: geometry.ray_in_slot(plane, slot, first), node });
+            first = end;
         }
     }
 }
 
-/// The chunks of a slot through the circle of leaves; `last` is the ray at its last depth, `at(depth)` the sample at a depth.
-fn tree(setup: &FrameSetup, last: DiscreteRay, slot: usize, at: impl Fn(usize) -> Segment) -> Vec<Segment> {
+/// A ray, the samples of a slot from `range`, through the circle of leaves chunk by chunk; the chunks are combined in order.
+fn tree(setup: &FrameSetup, slot: usize, range: Range<usize>, input: &ShadedSamples, leaves: &mut Vec<Node>) -> Node {
     let (cone, words) = (&setup.cone, &setup.words);
-    let depths = setup.geometry.size[2];
-    let mut rays: Vec<Segment> = Vec::new();
-    for chunk in (0..depths).step_by(cone.leaves) {
-        // Leaf `place` of the circle has the depth that is skewed to it; places beyond the ray have nothing.
-        let start = slot % cone.leaves;
-        let of = |place: usize| {
-            let depth = chunk + (place + cone.leaves - start) % cone.leaves;
-            if depth < depths { at(depth) } else { Segment { ray: last, node: Node::default() } }
-        };
-        let part = circle(cone.leaves, start, of, cone.mode, words);
-        if rays.is_empty() {
-            rays = part;
-        } else {
-            join(&mut rays, part, cone.mode, words);
-        }
+    // What is transparent adds nothing to these, and a leaf without a sample is passed by.
+    let sums = matches!(cone.mode, Mode::Composite | Mode::WeightedSum);
+    let mut sum = Node::default();
+    for chunk in range.start / cone.leaves..range.end.div_ceil(cone.leaves) {
+        let start = chunk * cone.leaves;
+        let (from, to) = (range.start.max(start) - start, range.end.min(start + cone.leaves) - start);
+        // The leaf of depth 0 of the chunk is the one that the slot is skewed to.
+        let mut lane = (slot + from) % cone.leaves;
+        let lanes = &input.0[start..start + cone.leaves];
+        leaves.clear();
+        leaves.extend((from..to).map(|_| {
+            let shaded = &lanes[lane];
+            lane = if lane + 1 == cone.leaves { 0 } else { lane + 1 };
+            if sums && shaded.opacity == 0 { Node::default() } else { leaf(shaded, cone, words) }
+        }));
+        sum = combine(cone.mode, sum, tree_of_ray(leaves, from, cone.mode, words), words);
     }
-    rays
+    sum
 }
 
 /// The cone unit.
@@ -205,7 +217,7 @@ impl<R: Reduce> ConeUnit<R> {
 
 impl Archived for Reducer {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let Reducer { overflows } = self;
+        let Reducer { overflows, leaves: _ } = self;
         archive.item(overflows)
     }
 }

@@ -16,6 +16,17 @@ impl Rotator {
     /// Aligns a beam of row `v` at a depth. Slots without a voxel are 0.
     pub fn align(&self, geometry: &Geometry, v: usize, depth: usize, beam: &[u16], aligned: &mut Vec<u16>) {
         let [slots, _] = geometry.slot_counts();
+        let n = self.lanes;
+        if slots == n && geometry.size[0] == n {
+            // A beam that fills the lanes is turned as a whole: see `rotation`.
+            let to = beam_lane(n, slot(geometry, 0, depth), depth);
+            let from = output_lane(n, [0, v, depth]);
+            let turn = (to + n - from) % n;
+            aligned.resize(n, 0);
+            aligned[turn..].copy_from_slice(&beam[..n - turn]);
+            aligned[..turn].copy_from_slice(&beam[n - turn..]);
+            return;
+        }
         aligned.clear();
         aligned.resize(slots.div_ceil(self.lanes) * self.lanes, 0);
         for x in 0..geometry.size[0] {
