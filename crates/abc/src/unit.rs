@@ -68,7 +68,7 @@ impl Archived for NoShading {
     }
 }
 
-/// Samples of a plane: for each slot, in order of depth.
+/// Samples of a plane: for each slot, in order of depth, with a word that is not read before the first and behind the last.
 type Plane = Vec<Vec<i32>>;
 
 /// The ABC units with their sample planes.
@@ -98,6 +98,8 @@ struct Parallel {
     inside: [Vec<Vec<i32>>; 2],
     /// The plane that those along v are for.
     plane: Option<usize>,
+    /// A ray without samples.
+    nothing: Vec<i32>,
 }
 
 impl Parallel {
@@ -114,6 +116,7 @@ impl Parallel {
             rays: Default::default(),
             inside: [rows(), rows()],
             plane: None,
+            nothing: vec![0; setup.geometry.size[2] + 2],
         })
     }
 
@@ -141,25 +144,12 @@ impl Parallel {
     }
 }
 
-/// A neighbour ray's samples, `slices` slices away, where they are in the volume; the border elsewhere.
+/// A neighbour ray's samples where they are in the volume, and the border elsewhere.
 #[inline(always)]
-fn select(samples: &[i32], inside: [&[i32]; 2], slices: i32, border: i32, out: &mut [i32]) {
+fn select(samples: &[i32], inside: [&[i32]; 2], border: i32, out: &mut [i32]) {
     let n = out.len();
-    if samples.len() < n || n == 0 {
-        return out.fill(border);
-    }
-    let (from, to) = match slices {
-        0 => (0, n),
-        1 => (0, n - 1),
-        _ => (1, n),
-    };
-    let first = (from as i32 + slices) as usize;
-    out[..from].fill(border);
-    out[to..].fill(border);
-    let out = &mut out[from..to];
-    let m = out.len();
-    let (samples, [along_u, along_v]) = (&samples[first..][..m], inside.map(|inside| &inside[from..to][..m]));
-    for k in 0..m {
+    let (samples, [along_u, along_v]) = (&samples[..n], inside.map(|inside| &inside[..n]));
+    for k in 0..n {
         out[k] = if along_u[k] & along_v[k] == 0 { border } else { samples[k] };
     }
 }
@@ -202,7 +192,7 @@ impl Shader {
             let depth = k as i64 + by[2];
             row.push(if geometry.has_sample(ray, depth) {
                 let [plane, slot] = geometry.slot_of(ray);
-                self.samples(plane, slot)[depth as usize]
+                self.samples(plane, slot)[depth as usize + 1]
             } else {
                 border
             });
@@ -240,7 +230,9 @@ impl Shade for Shader {
         let held = plane % self.ring.len();
         let place = &mut self.ring[held][slot];
         place.clear();
+        place.push(0);
         ray_pieces(&ray.data.samples, lanes, slot, depths).for_each(|piece| place.extend_from_slice(piece));
+        place.push(0);
         if let Some(kept) = self.first.get_mut(plane) {
             kept[slot].clone_from(&self.ring[held][slot]);
         }
@@ -280,14 +272,19 @@ impl Shader {
         };
         let mut around = std::mem::take(&mut self.around);
         let mut row = std::mem::take(&mut self.row);
-        let Parallel { reads, rays: [rays_u, rays_v], inside: [inside_u, inside_v], .. } = &*parallel;
+        let Parallel { reads, rays: [rays_u, rays_v], inside: [inside_u, inside_v], nothing, .. } = &*parallel;
         row.present.resize(depths, 0);
         let arithmetic = &mut self.arithmetic;
         let (ring, first) = (&self.ring, &self.first);
-        let samples = |v: usize, u: usize| {
+        // The rays around the slot; one that has not come yet has nothing in the volume.
+        let rays = [0, 1, 2].map(|v| {
             let plane = beside(plane, v, planes);
-            first.get(plane).unwrap_or(&ring[plane % ring.len()])[beside(slot, u, slots)].as_slice()
-        };
+            let plane = first.get(plane).unwrap_or(&ring[plane % ring.len()]);
+            [0, 1, 2].map(|u| {
+                let ray = &plane[beside(slot, u, slots)];
+                if ray.is_empty() { nothing.as_slice() } else { ray.as_slice() }
+            })
+        });
         vectorised(
             #[inline(always)]
             || {
@@ -295,7 +292,7 @@ impl Shader {
                     if reads[place] {
                         let (w, v, u) = (place / 9, place / 3 % 3, place % 3);
                         let inside = [inside_u[3 * w + u].as_slice(), &inside_v[3 * w + v]];
-                        select(samples(v, u), inside, w as i32 - 1, border, &mut around[..depths]);
+                        select(&rays[v][u][w..], inside, border, &mut around[..depths]);
                     }
                 }
                 let (in_u, in_v) = (&inside_u[4][..depths], &inside_v[4][..depths]);

@@ -129,13 +129,22 @@ fn tree(setup: &FrameSetup, slot: usize, range: Range<usize>, input: &ShadedSamp
         // The leaf of depth 0 of the chunk is the one that the slot is skewed to.
         let mut lane = (slot + from) % cone.leaves;
         let lanes = &input.0[start..start + cone.leaves];
+        let mut first = from;
         leaves.clear();
-        leaves.extend((from..to).map(|_| {
+        for depth in from..to {
             let shaded = &lanes[lane];
             lane = if lane + 1 == cone.leaves { 0 } else { lane + 1 };
-            if sums && shaded.opacity == 0 { Node::default() } else { leaf(shaded, cone, words) }
-        }));
-        sum = combine(cone.mode, sum, tree_of_ray(leaves, from, cone.mode, words), words);
+            if !sums || shaded.opacity != 0 {
+                leaves.push(leaf(shaded, cone, words));
+            } else if leaves.is_empty() {
+                first = depth + 1;
+            } else {
+                leaves.push(Node::default());
+            }
+        }
+        if !leaves.is_empty() {
+            sum = combine(cone.mode, sum, tree_of_ray(leaves, first, cone.mode, words), words);
+        }
     }
     sum
 }

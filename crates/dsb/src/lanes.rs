@@ -126,11 +126,12 @@ impl PlaneStore {
         let ray = &mut ray[start..];
         let chunk = j / self.lanes * self.lanes;
         let mut module = j % self.lanes;
-        for k in 0..self.depths {
-            ray[k / self.lanes * self.lanes + module] = buffer[(k * self.copies + copy) * self.width + chunk + module];
-            module += 1;
-            if module == self.lanes {
-                module = 0;
+        let rows = buffer.chunks_exact(self.copies * self.width);
+        let mut rows = rows.map(|row| &row[copy * self.width + chunk..][..self.lanes]);
+        for ray in ray.chunks_mut(self.lanes) {
+            for row in rows.by_ref().take(self.lanes) {
+                ray[module] = row[module];
+                module = if module + 1 == self.lanes { 0 } else { module + 1 };
             }
         }
     }

@@ -58,12 +58,15 @@ impl Geometry {
             rays.resize(depths, slot as i32 - shear as i32);
             return;
         }
-        while rays.len() < depths {
-            let turn = (slot + template.columns[rays.len()] as usize) / n;
-            // The next ray begins where the column has gone once more around.
-            let end = template.first_depth(((turn + 1) * n - slot) as i64).min(depths);
-            rays.resize(end, slot as i32 - (turn * n) as i32);
-        }
+        // The next ray begins where the column has gone once more around.
+        let (mut ray, mut turn, side) = (slot as i32, (n - slot) as u32, n as u32);
+        rays.extend(template.columns[..depths].iter().map(|&column| {
+            while column >= turn {
+                turn += side;
+                ray -= side as i32;
+            }
+            ray
+        }));
     }
 }
 
@@ -75,8 +78,12 @@ impl Geometry {
             return depths;
         }
         let end = |template: &Template, slot: usize, n: usize| {
-            let turn = (slot + template.columns[k] as usize) / n;
-            template.first_depth(((turn + 1) * n - slot) as i64)
+            let column = template.columns[k] as usize;
+            let mut turn = n - slot;
+            while column >= turn {
+                turn += n;
+            }
+            template.first_depth(turn as i64)
         };
         depths.min(end(&self.u, slot, self.size[0])).min(end(&self.v, plane, self.size[1]))
     }
