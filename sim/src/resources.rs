@@ -1,11 +1,13 @@
 //! What a machine is made of, counted from its configuration: a row for each part.
 //!
-//! Operators are those of the units' `golden.rs`, one for one: a lerp is a multiplier, a subtracter and an adder, and an adder
-//! more where the product is rounded to nearest. Shifts, selections and table look-ups are none.
+//! Operators are those of the units' `golden.rs`, one for one, as the synthesizer finds them in `tests/rtl`: a lerp is a multiplier, a subtracter and an adder, and an adder
+//! more where the product is rounded to nearest and drops bits. Shifts, selections and table look-ups are none.
 
 use crate::machine::RunCounters;
 use cube3_cone::ConeSpec;
-use cube3_host::{FrameSetup, GradientMethod, MachineSpec, Reuse, Shading, ShadingUnit};
+use cube3_host::{
+    ConeRegisters, FrameSetup, GradientMethod, GradientScale, LinearFactor, MachineSpec, Reuse, Shading, ShadingUnit,
+};
 use cube3_report::{InterfaceReport, LinesReport, MemoryBits, OperatorCounts, OperatorsReport, ResourcesReport};
 use cube3_scene::{MOST_CUTS, MOST_LIGHTS};
 use cube3_word::Rounding;
@@ -40,12 +42,14 @@ fn counts(multipliers: u64, adders: u64, comparators: u64) -> OperatorCounts {
     OperatorCounts { multipliers, adders, comparators, dividers: 0 }
 }
 
-/// Operators of each part.
-fn operators(machine: &MachineSpec, frames: &[FrameSetup]) -> Vec<OperatorsReport> {
-    // The adder that rounds a product to nearest.
-    let round = u64::from(machine.words.rounding == Rounding::Nearest);
+/// Operators of each part of a machine that renders `frames`, which hold how many lights there are and which bits of the scaled gradients
+/// are kept; without any, one light and none.
+pub fn operators(machine: &MachineSpec, frames: &[FrameSetup]) -> Vec<OperatorsReport> {
+    let words = &machine.words;
+    // The adder that rounds to nearest, where any bits are dropped.
+    let rounds = |dropped: u32| u64::from(words.rounding == Rounding::Nearest && dropped > 0);
     let lanes = machine.lanes as u64;
-    let lerp = counts(1, 2 + round, 0);
+    let lerp = counts(1, 2 + rounds(words.weight_bits), 0);
     // Blinn's division: one addition before, one between the shifts, and one more when it truncates.
     let unit_mul = counts(1, 2, 0);
     let mut parts = Vec::new();
@@ -55,24 +59,32 @@ fn operators(machine: &MachineSpec, frames: &[FrameSetup]) -> Vec<OperatorsRepor
         }
     };
     part("trilin", lanes, lerp.times(u64::from(machine.trilin.reuse.lerps())));
-    part("abc: gradient", lanes, gradient(machine.abc.gradient, lerp, round));
-    let of_frame = frames.iter().filter_map(|setup| setup.gradient.as_ref()).map(|registers| registers.method);
-    if let Some(near) = of_frame.into_iter().find(|&method| method != machine.abc.gradient) {
-        part("abc: gradient for near eyes", lanes, gradient(near, lerp, round));
+    part("abc: gradient", lanes, gradient(machine.abc.gradient, lerp, rounds(words.weight_bits)));
+    let of_frame = frames.iter().filter_map(|setup| setup.gradient.as_ref());
+    let near = of_frame.clone().map(|registers| registers.method).find(|&method| method != machine.abc.gradient);
+    if let Some(near) = near {
+        part("abc: gradient for near eyes", lanes, gradient(near, lerp, rounds(words.weight_bits)));
     }
-    let drops = u64::from(machine.words.gradient_drop() > 0);
     if machine.abc.gradient != GradientMethod::Ten {
-        part("abc: gradient scale", lanes, counts(3, 3 * round, 0));
+        let kept = of_frame.filter_map(|registers| registers.scale).map(|scale| scale.kept_bits).min().unwrap_or(0);
+        part("abc: gradient scale", lanes, counts(3, 3 * rounds(GradientScale::FACTOR_BITS - kept), 0));
     }
-    part("abc: gradient word", lanes, counts(0, 3 * drops * round, 6));
+    // The one shift also takes back by how much the weights of 26 exceed 1.
+    let weights =
+        |method| u32::from(matches!(method, GradientMethod::TwentySix | GradientMethod::TwentySixSheared)) * 4;
+    let exceed = weights(machine.abc.gradient).max(near.map_or(0, weights));
+    part("abc: gradient word", lanes, counts(0, 3 * rounds(words.gradient_drop() + exceed), 6));
     // Magnitudes, squares and their sum, the products with the root, rounded, held at one, and the signs.
     part("abc: normaliser", lanes, counts(6, 3 + 2 + 3 + 3, 3));
     part("abc: magnitude", lanes, counts(3, 3, 0));
     match machine.abc.shading {
         ShadingUnit::Phong => {
             // For each light two cosines, the power table's index, three diffuse and three specular products and sums.
-            let cosine = counts(3, 2 + 1 + round, 1);
-            let light = cosine.times(2) + counts(6, round + 6 * (round + 1), 0);
+            let one_bits = words.normal_bits - 1;
+            let cosine = counts(3, 2 + 1 + rounds(one_bits), 1);
+            let products = counts(6, 3 * rounds(one_bits) + 3 * rounds(words.colour_bits) + 6, 0);
+            let index = counts(0, rounds(one_bits.saturating_sub(machine.abc.power_bits)), 0);
+            let light = cosine.times(2) + index + products;
             part("abc: a light", lanes * lights(frames), light);
         }
         ShadingUnit::ReflectanceTable => {
@@ -80,22 +92,22 @@ fn operators(machine: &MachineSpec, frames: &[FrameSetup]) -> Vec<OperatorsRepor
             part("abc: direction", lanes, direction);
         }
     }
-    part("abc: lit colour", lanes, counts(3, 3 * round + 3, 3));
+    part("abc: lit colour", lanes, counts(3, 3 * rounds(words.colour_bits) + 3, 3));
     part("abc: threshold and row", lanes, counts(0, 0, 3));
-    part("abc: depth cue", lanes, counts(3, 1 + 3 * round, 2));
+    part("abc: depth cue", lanes, counts(3, 1 + 3 * rounds(LinearFactor::WORD_BITS), 2));
     let clips = MOST_CUTS as u64 + 6;
     part("abc: cut planes and crop box", lanes, counts(0, clips, clips));
-    part("cone: leaf", lanes, unit_mul.times(3));
+    part("cone: leaf", lanes, unit_mul.times(3) + counts(0, 0, 1));
     part(
         "cone: node",
         ConeSpec::of(machine, machine.lanes).nodes() as u64,
         counts(0, 1, 1) + (unit_mul + counts(0, 1, 0)).times(4),
     );
-    part("cone: weight of a sum", 1, counts(4, 4, 4));
+    part("cone: weight of a sum", 1, counts(4, 4 * rounds(ConeRegisters::WEIGHT_BITS), 4));
     parts
 }
 
-/// Operators of a gradient estimator.
+/// Operators of a gradient estimator. `round` is the adder that rounds a product with a weight.
 fn gradient(method: GradientMethod, lerp: OperatorCounts, round: u64) -> OperatorCounts {
     let differences = counts(0, 3, 0);
     // Nine differences and their sum, for each component.
@@ -104,8 +116,8 @@ fn gradient(method: GradientMethod, lerp: OperatorCounts, round: u64) -> Operato
     match method {
         GradientMethod::Six => differences,
         GradientMethod::SixSheared => differences + shear,
-        GradientMethod::TwentySix => weighted + counts(0, 3 * round, 0),
-        GradientMethod::TwentySixSheared => weighted + shear + counts(0, 3 * round, 0),
+        GradientMethod::TwentySix => weighted,
+        GradientMethod::TwentySixSheared => weighted + shear,
         GradientMethod::Ten | GradientMethod::TenNormalised => differences + lerp.times(4),
         GradientMethod::Twelve => differences + lerp.times(6),
     }

@@ -20,9 +20,11 @@ module cube3_classify #(
 ) (
     input  wire [VOXEL_BITS+SAMPLE_FRACTION_BITS-1:0]     sample,
     input  wire [GRADIENT_BITS+KEPT_BITS:0]               magnitude,
-    // A keyword of SystemVerilog, so the name is escaped; Verilator renames it in C++.
+    // A keyword of SystemVerilog, so the name is escaped; Verilator renames it in C++. Few classes need few of its bits.
     // verilator lint_off SYMRSVDWORD
+    // verilator lint_off UNUSEDSIGNAL
     input  wire [3:0]                                     \class ,
+    // verilator lint_on UNUSEDSIGNAL
     // verilator lint_on SYMRSVDWORD
     input  wire [2*(VOXEL_BITS+SAMPLE_FRACTION_BITS)-1:0] threshold,
     input  wire [4:0]                                     row_shift,

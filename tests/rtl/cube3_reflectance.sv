@@ -67,6 +67,7 @@ module cube3_reflectance #(
         : {negative[1], negative[0]};
     wire face_negative = axis == 2'd0 ? negative[0] : axis == 2'd1 ? negative[1] : negative[2];
 
+    // The second one above the first.
     wire [2*F-1:0] coordinates;
 
     generate
@@ -81,7 +82,7 @@ module cube3_reflectance #(
         end
     endgenerate
 
-    wire [2*F+2:0] index = {axis, face_negative, coordinates[0 +: F], coordinates[F +: F]};
+    wire [2*F+2:0] index = {axis, face_negative, coordinates};
     assign diffuse = none ? {3{flat}} : diffuses[index];
     assign specular = none ? I'(0) : speculars[index];
 endmodule

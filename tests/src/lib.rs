@@ -1,4 +1,6 @@
-//! Random machines, scenes and volumes for the tests that cross crates.
+//! Random machines, scenes and volumes for the tests that cross crates, and the tools that the hardware's tests run.
+
+pub mod rtl;
 
 pub mod rtl_pipeline;
 

@@ -51,12 +51,12 @@ fn gradients_have_the_operators_of_their_formulas() {
     use GradientMethod::*;
     let expected = [
         (Six, 0, 3),
-        (TwentySix, 0, 54),
+        (TwentySix, 0, 51),
         (Ten, 4, 15),
         (TenNormalised, 4, 15),
         (Twelve, 6, 21),
         (SixSheared, 2, 6),
-        (TwentySixSheared, 2, 57),
+        (TwentySixSheared, 2, 54),
     ];
     for (gradient, multipliers, adders) in expected {
         let machine = MachineSpec { lanes: 8, abc: Abc { gradient, ..Abc::default() }, ..MachineSpec::default() };
