@@ -179,8 +179,10 @@ module cube3_abc_unit #(
     cube3_neighbour_unit #(.N(N)) neighbour_u (.column(column_u), .columns(columns_u), .spans(spans_u), .held_in(inside_u));
     cube3_neighbour_unit #(.N(N)) neighbour_v (.column(column_v), .columns(columns_v), .spans(spans_v), .held_in(inside_v));
 
-    // The neighbourhood, samples in order of depth: [w][v][u] as golden.rs numbers it; what the method does not read is 0.
-    wire [27*N*S-1:0] around;
+    // The rays of the neighbourhood, [v][u], in order of depth.
+    // verilator lint_off UNUSEDSIGNAL
+    wire [9*N*S-1:0] rays;  // No method reads every depth of every ray.
+    // verilator lint_on UNUSEDSIGNAL
     genvar u, v, w, k;
     generate
         for (v = 0; v < 3; v = v + 1) begin : across
@@ -192,30 +194,7 @@ module cube3_abc_unit #(
                 wire kept = closes[1] && there[P-1:1] == {P - 1{1'b0}};
                 wire [N*S-1:0] held = kept ? first[{there[0], at}] : ring[{there[RING_BITS-1:0], at}];
                 wire bypass = pop && in_plane == there && in_slot == at;
-                // verilator lint_off UNUSEDSIGNAL
-                wire [N*S-1:0] samples = bypass ? in_ray : held;  // No method reads every depth of every ray.
-                // verilator lint_on UNUSEDSIGNAL
-                for (w = 0; w < 3; w = w + 1) begin : slice
-                    localparam integer U = u - 1;
-                    localparam integer V = v - 1;
-                    localparam integer W = w - 1;
-                    localparam integer FAR = U * U + V * V + W * W;
-                    localparam [0:0] READS =
-                        METHOD == 6 || METHOD == 61 ? FAR == 1 :
-                        METHOD == 10 ? FAR == 1 || (FAR == 2 && W != 0) :
-                        METHOD == 12 ? FAR == 1 || (W != 0 && U * W <= 0 && V * W <= 0) : 1'b1;
-                    for (k = 0; k < N; k = k + 1) begin : depth
-                        localparam integer PLACE = (w * 9 + v * 3 + u) * N + k;
-                        if (FAR != 0 && !READS) begin : unread
-                            assign around[PLACE*S+:S] = {S{1'b0}};
-                        end else if (k + w < 1 || k + w > N) begin : beyond
-                            assign around[PLACE*S+:S] = border;
-                        end else begin : read
-                            wire there_is = inside_u[(w*3+u)*N+k] && inside_v[(w*3+v)*N+k];
-                            assign around[PLACE*S+:S] = there_is ? samples[(k+w-1)*S+:S] : border;
-                        end
-                    end
-                end
+                assign rays[(v*3+u)*N*S+:N*S] = bypass ? in_ray : held;
             end
         end
     endgenerate
@@ -224,9 +203,29 @@ module cube3_abc_unit #(
     wire [6*N-1:0] saturated;
     generate
         for (k = 0; k < N; k = k + 1) begin : lane
+            // The neighbourhood of the sample, [w][v][u] as golden.rs numbers it; what the method does not read is 0.
             wire [27*S-1:0] s;
-            for (w = 0; w < 27; w = w + 1) begin : neighbour
-                assign s[w*S+:S] = around[(w*N+k)*S+:S];
+            for (w = 0; w < 3; w = w + 1) begin : slice
+                for (v = 0; v < 3; v = v + 1) begin : across
+                    for (u = 0; u < 3; u = u + 1) begin : along
+                        localparam integer U = u - 1;
+                        localparam integer V = v - 1;
+                        localparam integer W = w - 1;
+                        localparam integer FAR = U * U + V * V + W * W;
+                        localparam [0:0] READS =
+                            METHOD == 6 || METHOD == 61 ? FAR == 1 :
+                            METHOD == 10 ? FAR == 1 || (FAR == 2 && W != 0) :
+                            METHOD == 12 ? FAR == 1 || (W != 0 && U * W <= 0 && V * W <= 0) : 1'b1;
+                        if (FAR != 0 && !READS) begin : unread
+                            assign s[(w*9+v*3+u)*S+:S] = {S{1'b0}};
+                        end else if (k + w < 1 || k + w > N) begin : beyond
+                            assign s[(w*9+v*3+u)*S+:S] = border;
+                        end else begin : read
+                            wire there_is = inside_u[(w*3+u)*N+k] && inside_v[(w*3+v)*N+k];
+                            assign s[(w*9+v*3+u)*S+:S] = there_is ? rays[((v*3+u)*N+k+w-1)*S+:S] : border;
+                        end
+                    end
+                end
             end
             wire [3*G-1:0] g;
             wire [2:0] gradient_overflow;
@@ -273,11 +272,9 @@ module cube3_abc_unit #(
             ) lighting (.colour(colour), .diffuse(diffuse), .specular(specular), .value(lit), .overflow(lit_overflow));
             wire present = visible && inside_u[4*N+k] && inside_v[4*N+k];
             wire shown = present && opacity != {OPACITY_BITS{1'b0}};
-            assign leaves[k*LEAF] = present;
-            assign leaves[k*LEAF+1+:S] = present ? sample : {S{1'b0}};
-            assign leaves[k*LEAF+1+S+:OPACITY_BITS] = present ? opacity : {OPACITY_BITS{1'b0}};
-            assign leaves[k*LEAF+1+S+OPACITY_BITS+:3*COLOUR_BITS] =
-                !shown ? {3 * COLOUR_BITS{1'b0}} : shading ? lit : colour;
+            wire [3*COLOUR_BITS-1:0] shown_colour = !shown ? {3 * COLOUR_BITS{1'b0}} : shading ? lit : colour;
+            wire [LEAF-1:0] leaf = {shown_colour, opacity, sample, 1'b1};
+            assign leaves[k*LEAF+:LEAF] = present ? leaf : {LEAF{1'b0}};
             assign saturated[6*k+:3] = shown && gradient ? gradient_overflow : 3'b000;
             assign saturated[6*k+3+:3] = shown && shading ? lit_overflow : 3'b000;
         end

@@ -1,9 +1,10 @@
 //! The pipeline in SystemVerilog in an event-driven and in a compiled simulator, beside `Machine::cycle`.
 
+use crate::rtl;
 use cube3::machine::{Overflows, RunCounters};
 use cube3_host::{BasePlane, DiscreteRay, FrameSetup};
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Command;
 
 /// A Verilog simulator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,28 +16,17 @@ pub enum Simulator {
 }
 
 impl Simulator {
-    /// The command that compiles a design, and how it is had.
-    fn compiler(self) -> [&'static str; 2] {
+    /// The commands that compile and run a design.
+    fn commands(self) -> &'static [&'static str] {
         match self {
-            Simulator::Icarus => ["iverilog", "apt-get install iverilog"],
-            Simulator::Verilator => ["verilator", "apt-get install verilator"],
+            Simulator::Icarus => &["iverilog", "vvp"],
+            Simulator::Verilator => &["verilator"],
         }
     }
 
-    /// Whether the simulator is there. Where it is not, prints how to install it; where `CUBE3_REQUIRE_TOOLS` is 1, that is a failure.
-    ///
-    /// # Panics
-    /// If it is missing and required.
+    /// Whether the simulator is there: see [`rtl::require`].
     pub fn is_there(self) -> bool {
-        let [command, install] = self.compiler();
-        let there = Command::new(command).arg("-V").output().is_ok();
-        if !there {
-            let required = std::env::var("CUBE3_REQUIRE_TOOLS").is_ok_and(|value| value == "1");
-            let text = format!("{command} is not on the PATH: {install}");
-            assert!(!required, "{text}");
-            println!("skipped: {text}");
-        }
-        there
+        self.commands().iter().all(|command| rtl::require(command).is_some())
     }
 }
 
@@ -70,15 +60,8 @@ pub struct RtlRun {
     pub overflows: [u64; 2],
 }
 
-fn rtl() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("rtl")
-}
-
-fn succeeded(command: &mut Command) -> Output {
-    let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
-    let text = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned()).concat();
-    assert!(output.status.success(), "{command:?}: {text}");
-    output
+fn succeeded(command: &mut Command) {
+    rtl::run(command).unwrap_or_else(|problem| panic!("{problem}"));
 }
 
 impl Design {
@@ -87,11 +70,10 @@ impl Design {
     /// # Panics
     /// If the simulator does not take it.
     pub fn compile(simulator: Simulator, parameters: &[(&'static str, u32)], effort: Effort, folder: &Path) -> Design {
-        let rtl = rtl();
+        let rtl = rtl::folder();
         let bench = rtl.join("tb/cube3_pipeline_tb.sv");
         std::fs::create_dir_all(folder).unwrap();
-        let [compiler, _] = simulator.compiler();
-        let mut command = Command::new(compiler);
+        let mut command = Command::new(simulator.commands()[0]);
         match simulator {
             Simulator::Icarus => {
                 let program = folder.join("pipeline.vvp");

@@ -26,7 +26,8 @@ fn main() {
     let machine = MachineSpec { lanes: n, ..MachineSpec::default() };
     let volume = VolumeSource { size_voxels: Some(n), ..Scene::default().volume };
     let scene = Scene { volume, view: View::from_direction([0.55, 0.3, 1.0], None), ..Scene::default() };
-    let loaded = inputs::volume(&scene, &machine, &ReadOptions::default(), false).unwrap_or_else(|error| panic!("{error}"));
+    let loaded =
+        inputs::volume(&scene, &machine, &ReadOptions::default(), false).unwrap_or_else(|error| panic!("{error}"));
     let words = &loaded.words.words;
     let setup = frame_setup(&scene, &machine, &loaded.info(), true).unwrap_or_else(|error| panic!("{error}")).setup;
     let frame = rtl_frame::export(&machine, &setup, words).unwrap_or_else(|error| panic!("{error}"));
