@@ -337,8 +337,8 @@ fn what_the_pipeline_lacks_is_refused_with_the_way_out() {
     let setup = frame_setup(&plain, &default, &volume.info(), true).unwrap().setup;
     let error = rtl_frame::export(&default, &setup, &volume.words[1..]).unwrap_err();
     assert_eq!(error, RtlFrameError::Voxels { found: 511, expected: 512 });
-    let eye = Scene { view: View { perspective: Some(Perspective::default()), ..plain.view.clone() }, ..plain };
+    let eye = Scene { view: View { perspective: Some(Perspective::new(40.0)), ..plain.view.clone() }, ..plain };
     let frames = picture_setup(&eye, &default, &volume.info(), true).unwrap();
-    let error = rtl_frame::export(&default, &frames.passes[0].setup, &volume.words).unwrap_err();
+    let error = rtl_frame::export(&default, &frames.setups[0], &volume.words).unwrap_err();
     assert_eq!(error.to_string(), "the RTL pipeline has no perspective: give the scene a view with parallel rays");
 }
