@@ -249,8 +249,14 @@ fn voxels_that_are_not_cubes_and_thresholds_in_verilator() {
 
 /// Parameters of the pipeline as a whole: sides, slots, methods and words.
 fn parameter_sets() -> Vec<Parameters> {
-    let words =
-        [("VOXEL_BITS", 8), ("WEIGHT_BITS", 4), ("SAMPLE_FRACTION_BITS", 2), ("GRADIENT_BITS", 7), ("NEAREST", 0)];
+    let words = [
+        ("VOXEL_BITS", 8),
+        ("WEIGHT_BITS", 4),
+        ("SAMPLE_FRACTION_BITS", 2),
+        ("GRADIENT_BITS", 7),
+        ("TABLE_BITS", 6),
+        ("NEAREST", 0),
+    ];
     let sets = [[4, 0, 6], [8, 0, 12], [8, 1, 12], [16, 0, 61], [16, 1, 10], [8, 0, 26]];
     let set = |[n, padded, method]: [i64; 3]| vec![("N", n), ("PADDED", padded), ("METHOD", method)];
     let narrow = [set([8, 0, 12]), words.to_vec()].concat();
