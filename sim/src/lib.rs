@@ -20,6 +20,7 @@ pub mod problem;
 pub mod progress;
 pub mod record;
 pub mod resources;
+pub mod rtl_frame;
 pub mod run;
 pub mod sequence;
 pub mod topology;

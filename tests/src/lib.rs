@@ -3,6 +3,8 @@
 pub mod rtl;
 pub mod rtl_vectors;
 
+pub mod rtl_pipeline;
+
 use cube3_host::{
     Abc, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, GradientMethod, HostLink, Layout,
     MachineSpec, MemoryModel, RaySlots, Rays, Reuse, ShadingUnit, TemplateRule, Trilin, VolumeInfo,

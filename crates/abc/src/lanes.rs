@@ -436,7 +436,8 @@ fn normalise(row: &mut Scratch, table: &Normaliser, words: &Words, from: usize, 
     for lane in 0..n {
         let sizes = [gu[lane].unsigned_abs(), gv[lane].unsigned_abs(), gw[lane].unsigned_abs()];
         let zeros = (sizes[0] | sizes[1] | sizes[2] | 1).leading_zeros();
-        let block = sizes.map(|size| (size << zeros) >> (32 - bits));
+        let block = [sizes[0] << zeros, sizes[1] << zeros, sizes[2] << zeros];
+        let block = [block[0] >> (32 - bits), block[1] >> (32 - bits), block[2] >> (32 - bits)];
         let square = block[0] * block[0] + block[1] * block[1] + block[2] * block[2];
         bu[lane] = block[0];
         bv[lane] = block[1];
@@ -635,7 +636,11 @@ impl GradientLanes {
         overflow: &mut [u32],
     ) {
         let n = overflow.len();
-        let rows: Rows = [0, 1, 2].map(|w| [0, 1, 2].map(|v| [0, 1, 2].map(|u| &neighbour(w, v, u)[from..from + n])));
+        // Written out, as what is not inlined is not vectorised.
+        let row = |w: usize, v: usize, u: usize| &neighbour(w, v, u)[from..from + n];
+        let side = |w: usize, v: usize| [row(w, v, 0), row(w, v, 1), row(w, v, 2)];
+        let slice = |w: usize| [side(w, 0), side(w, 1), side(w, 2)];
+        let rows: Rows = [slice(0), slice(1), slice(2)];
         let [out_u, out_v, out_w] = out;
         if self.narrow {
             self.differences::<false>(&rows, out_u, out_v, out_w);

@@ -10,8 +10,8 @@
 use crate::golden::Shaded;
 use crate::lanes::{AbcLanes, ShadedRow};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, PortState, Wait};
-use cube3_dsb::golden::ray_lane;
-use cube3_host::{DiscreteRay, FrameSetup, GradientMethod, MachineSpec};
+use cube3_dsb::golden::ray_pieces;
+use cube3_host::{DiscreteRay, FrameSetup, GradientMethod, MachineSpec, SampleBounds};
 use cube3_trilin::{RaySamples, SampleRay};
 use cube3_word::vectorised;
 use serde::{Deserialize, Serialize};
@@ -68,7 +68,7 @@ impl Archived for NoShading {
     }
 }
 
-/// Samples of a plane: for each slot, in order of depth.
+/// Samples of a plane: for each slot, in order of depth, with a word that is not read before the first and behind the last.
 type Plane = Vec<Vec<i32>>;
 
 /// The ABC units with their sample planes.
@@ -82,6 +82,76 @@ pub struct Shader {
     around: Vec<Vec<i32>>,
     row: ShadedRow,
     overflows: u64,
+    /// Of a parallel frame; perspective asks for each sample.
+    parallel: Option<Parallel>,
+}
+
+/// What whole rays of a parallel frame are gathered with.
+#[derive(Clone, Debug)]
+struct Parallel {
+    bounds: SampleBounds,
+    /// Which of the 27 neighbours are read.
+    reads: [bool; 27],
+    /// The rays of the slot in hand along u and along v, by depth.
+    rays: [Vec<i32>; 2],
+    /// Which samples lie in the volume along an axis, by slice and ray next to the slot's: `[w · 3 + u]`, each by depth.
+    inside: [Vec<Vec<i32>>; 2],
+    /// The plane that those along v are for.
+    plane: Option<usize>,
+    /// A ray without samples.
+    nothing: Vec<i32>,
+}
+
+impl Parallel {
+    fn new(setup: &FrameSetup) -> Option<Parallel> {
+        let mut reads = [false; 27];
+        for (place, read) in reads.iter_mut().enumerate() {
+            let by = [place % 3, place / 3 % 3, place / 9].map(|i| i as i64 - 1);
+            *read = by == [0; 3] || setup.gradient.is_some_and(|registers| self::reads(registers.method, by));
+        }
+        let rows = || vec![vec![0; setup.geometry.size[2]]; 9];
+        Some(Parallel {
+            bounds: SampleBounds::new(&setup.geometry)?,
+            reads,
+            rays: Default::default(),
+            inside: [rows(), rows()],
+            plane: None,
+            nothing: vec![0; setup.geometry.size[2] + 2],
+        })
+    }
+
+    /// Makes ready for a slot.
+    fn aim(&mut self, setup: &FrameSetup, plane: usize, slot: usize) {
+        let Parallel { bounds, rays: [rays_u, rays_v], inside: [inside_u, inside_v], .. } = self;
+        let new_plane = self.plane != Some(plane);
+        if new_plane {
+            setup.geometry.rays_along(1, plane, rays_v);
+            self.plane = Some(plane);
+        }
+        setup.geometry.rays_along(0, slot, rays_u);
+        vectorised(
+            #[inline(always)]
+            || {
+                for by in 0..9 {
+                    let (along, slices) = (by as i32 % 3 - 1, by as i32 / 3 - 1);
+                    bounds.inside(0, rays_u, along, slices, &mut inside_u[by]);
+                    if new_plane {
+                        bounds.inside(1, rays_v, along, slices, &mut inside_v[by]);
+                    }
+                }
+            },
+        );
+    }
+}
+
+/// A neighbour ray's samples where they are in the volume, and the border elsewhere.
+#[inline(always)]
+fn select(samples: &[i32], inside: [&[i32]; 2], border: i32, out: &mut [i32]) {
+    let n = out.len();
+    let (samples, [along_u, along_v]) = (&samples[..n], inside.map(|inside| &inside[..n]));
+    for k in 0..n {
+        out[k] = if along_u[k] & along_v[k] == 0 { border } else { samples[k] };
+    }
 }
 
 impl Shader {
@@ -95,9 +165,10 @@ impl Shader {
             arithmetic: AbcLanes::new(setup, skip),
             ring: vec![empty.clone(); ring],
             first: vec![empty; kept],
-            around: vec![Vec::new(); 27],
+            around: vec![vec![0; setup.geometry.size[2]]; 27],
             row: ShadedRow::default(),
             overflows: 0,
+            parallel: Parallel::new(setup),
         }
     }
 
@@ -121,7 +192,7 @@ impl Shader {
             let depth = k as i64 + by[2];
             row.push(if geometry.has_sample(ray, depth) {
                 let [plane, slot] = geometry.slot_of(ray);
-                self.samples(plane, slot)[depth as usize]
+                self.samples(plane, slot)[depth as usize + 1]
             } else {
                 border
             });
@@ -159,13 +230,118 @@ impl Shade for Shader {
         let held = plane % self.ring.len();
         let place = &mut self.ring[held][slot];
         place.clear();
-        place.extend((0..depths).map(|k| ray.data.samples[ray_lane(lanes, slot, k)]));
+        place.push(0);
+        ray_pieces(&ray.data.samples, lanes, slot, depths).for_each(|piece| place.extend_from_slice(piece));
+        place.push(0);
         if let Some(kept) = self.first.get_mut(plane) {
             kept[slot].clone_from(&self.ring[held][slot]);
         }
     }
 
     fn give(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut ShadedSamples) {
+        match self.parallel.take() {
+            Some(mut parallel) => {
+                self.give_parallel(setup, &mut parallel, plane, slot, output);
+                self.parallel = Some(parallel);
+            }
+            None => self.give_any(setup, plane, slot, output),
+        }
+    }
+}
+
+impl Shader {
+    /// A slot of a parallel frame, whose neighbours are those of the same slots and planes at every depth.
+    fn give_parallel(
+        &mut self,
+        setup: &FrameSetup,
+        parallel: &mut Parallel,
+        plane: usize,
+        slot: usize,
+        output: &mut ShadedSamples,
+    ) {
+        let geometry = &setup.geometry;
+        let depths = geometry.size[2];
+        parallel.aim(setup, plane, slot);
+        let border = setup.gradient.map_or(0, |registers| registers.border);
+        let [slots, planes] = geometry.slot_counts();
+        // Beyond the last slot comes the first where they are shared, and else nothing that is in the volume.
+        let beside = |i: usize, by: usize, count: usize| match (i + by).checked_sub(1) {
+            Some(beside) if beside < count => beside,
+            Some(_) => 0,
+            None => count - 1,
+        };
+        let mut around = std::mem::take(&mut self.around);
+        let mut row = std::mem::take(&mut self.row);
+        let Parallel { reads, rays: [rays_u, rays_v], inside: [inside_u, inside_v], nothing, .. } = &*parallel;
+        row.present.resize(depths, 0);
+        let arithmetic = &mut self.arithmetic;
+        let (ring, first) = (&self.ring, &self.first);
+        // The rays around the slot; one that has not come yet has nothing in the volume.
+        let rays = [0, 1, 2].map(|v| {
+            let plane = beside(plane, v, planes);
+            let plane = first.get(plane).unwrap_or(&ring[plane % ring.len()]);
+            [0, 1, 2].map(|u| {
+                let ray = &plane[beside(slot, u, slots)];
+                if ray.is_empty() { nothing.as_slice() } else { ray.as_slice() }
+            })
+        });
+        vectorised(
+            #[inline(always)]
+            || {
+                for (place, around) in around.iter_mut().enumerate() {
+                    if reads[place] {
+                        let (w, v, u) = (place / 9, place / 3 % 3, place % 3);
+                        let inside = [inside_u[3 * w + u].as_slice(), &inside_v[3 * w + v]];
+                        select(&rays[v][u][w..], inside, border, &mut around[..depths]);
+                    }
+                }
+                let (in_u, in_v) = (&inside_u[4][..depths], &inside_v[4][..depths]);
+                for (k, present) in row.present[..depths].iter_mut().enumerate() {
+                    *present = (in_u[k] & in_v[k] & 1) as u8;
+                }
+                let at = |k: usize| [i64::from(rays_u[k]), i64::from(rays_v[k]), k as i64];
+                for clip in &setup.clips {
+                    for (k, present) in row.present[..depths].iter_mut().enumerate() {
+                        *present &= u8::from(geometry.evaluate(&clip.distance, at(k)) >= 0);
+                    }
+                }
+                let neighbour = |w: usize, v: usize, u: usize| around[w * 9 + v * 3 + u].as_slice();
+                arithmetic.shade(depths, neighbour, at, geometry, &mut row);
+            },
+        );
+        self.overflows += row.overflows;
+        self.around = around;
+        self.row = row;
+        self.place(slot, depths, output);
+    }
+
+    /// Puts the shaded row into lane order.
+    fn place(&self, slot: usize, depths: usize, output: &mut ShadedSamples) {
+        let (row, lanes) = (&self.row, self.lanes);
+        output.0.resize(depths.div_ceil(lanes) * lanes, Shaded::default());
+        let [red, green, blue] = &row.colour;
+        let (present, opacity, samples) = (&row.present[..depths], &row.opacity[..depths], &self.around[13][..depths]);
+        let (red, green, blue) = (&red[..depths], &green[..depths], &blue[..depths]);
+        for (chunk, output) in output.0.chunks_mut(lanes).enumerate() {
+            let (from, to) = (chunk * lanes, depths.min((chunk + 1) * lanes));
+            if to - from < lanes {
+                output.fill(Shaded::default());
+            }
+            let mut lane = slot % lanes;
+            for k in from..to {
+                output[lane] = if present[k] == 0 {
+                    Shaded::default()
+                } else {
+                    let colour = [red[k], green[k], blue[k]];
+                    Shaded { present: true, sample: samples[k], opacity: opacity[k], colour }
+                };
+                lane = if lane + 1 == lanes { 0 } else { lane + 1 };
+            }
+        }
+    }
+
+    /// A slot of any frame, sample by sample.
+    fn give_any(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut ShadedSamples) {
         let geometry = &setup.geometry;
         let depths = geometry.size[2];
         let rays: Vec<DiscreteRay> = (0..depths).map(|k| geometry.ray_in_slot(plane, slot, k)).collect();
@@ -208,19 +384,8 @@ impl Shade for Shader {
             },
         );
         self.overflows += row.overflows;
-        output.0.clear();
-        output.0.resize(depths.div_ceil(self.lanes) * self.lanes, Shaded::default());
-        for k in 0..depths {
-            if row.present[k] != 0 {
-                output.0[ray_lane(self.lanes, slot, k)] = Shaded {
-                    present: true,
-                    sample: self.around[13][k],
-                    opacity: row.opacity[k],
-                    colour: [0, 1, 2].map(|i| row.colour[i][k]),
-                };
-            }
-        }
         self.row = row;
+        self.place(slot, depths, output);
     }
 }
 
@@ -461,7 +626,7 @@ impl<A: Shade> AbcUnit<A> {
 
 impl Archived for Shader {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let Shader { lanes: _, arithmetic: _, ring, first, around: _, row: _, overflows } = self;
+        let Shader { lanes: _, arithmetic: _, ring, first, around: _, row: _, overflows, parallel: _ } = self;
         ring.iter_mut().chain(first).try_for_each(|plane| archive.list(plane))?;
         archive.item(overflows)
     }

@@ -119,9 +119,24 @@ impl FrameBuffer {
         let lanes = self.placement.skew.lanes;
         beam.clear();
         beam.resize(size[0].div_ceil(lanes) * lanes, 0);
-        for u in 0..size[0] {
-            let xyz = axes.voxel(size, [u, v, w]);
-            beam[u / lanes * lanes + output_lane(lanes, [u, v, w])] = self.modules[self.place(xyz)];
+        // Along u module, lane and coordinate go on by a step each.
+        let along = axes.axis[0];
+        let start = axes.voxel(size, [0, v, w]);
+        let rest: usize = (0..3).filter(|&axis| axis != along).map(|axis| self.terms[axis][start[axis]]).sum();
+        let mut step = [0; 3];
+        step[along] = if axes.reversed[0] { -1 } else { 1 };
+        let step = self.placement.skew.module(step);
+        let mut module = self.placement.skew.module(start.map(|i| i as i64));
+        let mut lane = output_lane(lanes, [0, v, w]);
+        let terms = &self.terms[along];
+        for (chunk, beam) in beam.chunks_mut(lanes).enumerate() {
+            for u in chunk * lanes..size[0].min((chunk + 1) * lanes) {
+                let coordinate = if axes.reversed[0] { size[0] - 1 - u } else { u };
+                beam[lane] = self.modules[module * self.words_each + terms[coordinate] + rest];
+                module += step;
+                module -= if module >= lanes { lanes } else { 0 };
+                lane = if lane + 1 == lanes { 0 } else { lane + 1 };
+            }
         }
     }
 

@@ -64,6 +64,26 @@ pub fn circle_by(
     segments
 }
 
+/// A tree over the leaves of one ray among those of a circle, in the order of the circle from its start: `leaves[0]` is the leaf
+/// at place `first` behind the start. Equals the ray's segment of [`circle`]: places of other rays have nothing. The leaves are
+/// overwritten.
+pub fn tree_of_ray(leaves: &mut [Node], first: usize, mode: Mode, words: &Words) -> Node {
+    let (mut first, mut end) = (first, first + leaves.len());
+    // One node is left: the levels above it pass it on.
+    while end > first + 1 {
+        let (from, to) = (first / 2, (end - 1) / 2 + 1);
+        for node in from..to {
+            // A level is made in the place of the one before, which it never overtakes.
+            let child =
+                |place: usize| if (first..end).contains(&place) { leaves[place - first] } else { Node::default() };
+            let combined = combine(mode, child(2 * node), child(2 * node + 1), words);
+            leaves[node - from] = combined;
+        }
+        (first, end) = (from, to);
+    }
+    leaves.first().copied().unwrap_or_default()
+}
+
 /// The same front to back, for a chain or an accumulator: `of(depth)` is the sample at a depth.
 pub fn in_order(depths: usize, of: impl Fn(usize) -> Segment, mode: Mode, words: &Words) -> Vec<Segment> {
     in_order_by(depths, of, &mut |left, right| combine(mode, left, right, words))

@@ -1,7 +1,7 @@
 //! The folded tree: from any leaf of the circle, for one ray or for several, the golden bits.
 
 use cube3_cone::golden::{Node, reduce};
-use cube3_cone::lanes::{Segment, circle, join};
+use cube3_cone::lanes::{Segment, circle, join, tree_of_ray};
 use cube3_host::{ConeOrder, ConeRegisters, DiscreteRay};
 use cube3_scene::Mode;
 use cube3_word::{Rounding, Words, unit_full, unit_mul};
@@ -49,6 +49,11 @@ proptest! {
                     Segment { ray: ray(u), node: reduce(&alone, &cone, &words) }
                 })
                 .collect();
+            for Segment { ray: of_segment, node } in &expected {
+                let mut leaves: Vec<Node> = (0..count).filter(|&d| ray(of(d)) == *of_segment).map(|d| depths[d]).collect();
+                let first = (0..count).take_while(|&d| ray(of(d)) != *of_segment).count();
+                prop_assert_eq!(tree_of_ray(&mut leaves, first, mode, &words), *node, "{:?} alone", mode);
+            }
             for start in 0..count {
                 let leaf = |place: usize| {
                     let depth = (place + count - start) % count;

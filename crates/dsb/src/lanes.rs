@@ -16,6 +16,17 @@ impl Rotator {
     /// Aligns a beam of row `v` at a depth. Slots without a voxel are 0.
     pub fn align(&self, geometry: &Geometry, v: usize, depth: usize, beam: &[u16], aligned: &mut Vec<u16>) {
         let [slots, _] = geometry.slot_counts();
+        let n = self.lanes;
+        if slots == n && geometry.size[0] == n {
+            // A beam that fills the lanes is turned as a whole: see `rotation`.
+            let to = beam_lane(n, slot(geometry, 0, depth), depth);
+            let from = output_lane(n, [0, v, depth]);
+            let turn = (to + n - from) % n;
+            aligned.resize(n, 0);
+            aligned[turn..].copy_from_slice(&beam[..n - turn]);
+            aligned[..turn].copy_from_slice(&beam[n - turn..]);
+            return;
+        }
         aligned.clear();
         aligned.resize(slots.div_ceil(self.lanes) * self.lanes, 0);
         for x in 0..geometry.size[0] {
@@ -115,11 +126,12 @@ impl PlaneStore {
         let ray = &mut ray[start..];
         let chunk = j / self.lanes * self.lanes;
         let mut module = j % self.lanes;
-        for k in 0..self.depths {
-            ray[k / self.lanes * self.lanes + module] = buffer[(k * self.copies + copy) * self.width + chunk + module];
-            module += 1;
-            if module == self.lanes {
-                module = 0;
+        let rows = buffer.chunks_exact(self.copies * self.width);
+        let mut rows = rows.map(|row| &row[copy * self.width + chunk..][..self.lanes]);
+        for ray in ray.chunks_mut(self.lanes) {
+            for row in rows.by_ref().take(self.lanes) {
+                ray[module] = row[module];
+                module = if module + 1 == self.lanes { 0 } else { module + 1 };
             }
         }
     }

@@ -9,9 +9,10 @@
 use crate::lanes::TrilinLanes;
 use bitvec::prelude::*;
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
-use cube3_dsb::golden::ray_lane;
+use cube3_dsb::golden::{ray_lane, ray_pieces};
 use cube3_dsb::{RayPair, RayVoxels};
-use cube3_host::{Fan, FrameSetup, Geometry, MachineSpec, Reuse};
+use cube3_host::{Fan, FrameSetup, Geometry, MachineSpec, Reuse, SampleBounds};
+use cube3_word::vectorised;
 use serde::{Deserialize, Serialize};
 
 /// A slot of continuous rays.
@@ -94,6 +95,14 @@ pub struct Interpolator {
     sides: Vec<Vec<i32>>,
     lerps: u64,
     scratch: [Vec<i32>; 3],
+    /// Which rays of a parallel frame lie in the volume at each depth; the rays of a slot, and which of its samples do, along u and along v.
+    bounds: Option<SampleBounds>,
+    rays: Vec<i32>,
+    inside: [Vec<i32>; 2],
+    /// The plane that the latter is for.
+    placed: Option<usize>,
+    /// Lerps along u of a slot: their memory.
+    lerped: [Vec<i32>; 2],
 }
 
 impl Interpolator {
@@ -112,6 +121,11 @@ impl Interpolator {
             sides: vec![Vec::new(); if keeps_planes { slots } else { 0 }],
             lerps: 0,
             scratch: Default::default(),
+            bounds: SampleBounds::new(&setup.geometry),
+            rays: Vec::new(),
+            inside: Default::default(),
+            placed: None,
+            lerped: Default::default(),
         }
     }
 
@@ -187,10 +201,9 @@ impl Interpolate for Interpolator {
             let held = &mut self.newest[i];
             held.voxels.clear();
             for ray in ray.chunks(depths.div_ceil(self.lanes) * self.lanes) {
-                held.voxels.extend(
-                    (0..depths)
-                        .map(|k| i32::from(ray[ray_lane(self.lanes, slot, k)]) << setup.words.sample_fraction_bits),
-                );
+                for piece in ray_pieces(ray, self.lanes, slot, depths) {
+                    held.voxels.extend(piece.iter().map(|&word| i32::from(word) << setup.words.sample_fraction_bits));
+                }
             }
             if setup.geometry.doubled() {
                 continue;
@@ -220,7 +233,7 @@ impl Interpolate for Interpolator {
             // The newest pair is the last of the plane: it becomes the one before.
             self.before = std::mem::replace(&mut self.newest, next);
         }
-        let (mut current, mut below) = (Vec::new(), Vec::new());
+        let [mut current, mut below] = std::mem::take(&mut self.lerped);
         let keeps_planes = !self.sides.is_empty();
         if let Some(pass) = geometry.perspective.as_ref().filter(|pass| pass.doubled) {
             let weights = of_ray(&pass.u, slot, geometry.size[2]);
@@ -228,7 +241,7 @@ impl Interpolate for Interpolator {
             self.cell_side(setup, 1, &weights, &mut below);
         } else {
             if keeps_planes && plane > 0 {
-                current = std::mem::take(&mut self.sides[slot]);
+                std::mem::swap(&mut current, &mut self.sides[slot]);
             } else {
                 self.side(setup, 0, slot, &mut current);
             }
@@ -245,8 +258,9 @@ impl Interpolate for Interpolator {
         }
         self.lerps += 1;
         if keeps_planes {
-            self.sides[slot] = below;
+            std::mem::swap(&mut self.sides[slot], &mut below);
         }
+        self.lerped = [current, below];
         self.place(geometry, plane, slot, &samples, output);
         self.scratch[2] = samples;
     }
@@ -254,8 +268,49 @@ impl Interpolate for Interpolator {
 
 impl Interpolator {
     /// Puts samples into lane order, with a mask of those that lie in the volume.
-    fn place(&self, geometry: &Geometry, plane: usize, slot: usize, samples: &[i32], output: &mut RaySamples) {
+    fn place(&mut self, geometry: &Geometry, plane: usize, slot: usize, samples: &[i32], output: &mut RaySamples) {
         let width = samples.len().div_ceil(self.lanes) * self.lanes;
+        if let Some(bounds) = &self.bounds {
+            let depths = samples.len();
+            if self.placed != Some(plane) {
+                geometry.rays_along(1, plane, &mut self.rays);
+                self.inside[1].resize(depths, 0);
+                bounds.inside(1, &self.rays, 0, 0, &mut self.inside[1]);
+                self.placed = Some(plane);
+            }
+            geometry.rays_along(0, slot, &mut self.rays);
+            let [inside_u, inside_v] = &mut self.inside;
+            inside_u.resize(depths, 0);
+            let rays = &self.rays;
+            vectorised(
+                #[inline(always)]
+                || {
+                    bounds.inside(0, rays, 0, 0, inside_u);
+                    for (inside, &along_v) in inside_u.iter_mut().zip(&*inside_v) {
+                        *inside &= along_v;
+                    }
+                },
+            );
+            output.samples.resize(width, 0);
+            output.present.resize(width, false);
+            let words = output.present.as_raw_mut_slice();
+            words.fill(0);
+            for (chunk, (samples, inside)) in samples.chunks(self.lanes).zip(inside_u.chunks(self.lanes)).enumerate() {
+                let first = chunk * self.lanes;
+                let lanes = &mut output.samples[first..first + self.lanes];
+                if samples.len() < lanes.len() {
+                    lanes.fill(0);
+                }
+                let mut lane = slot % self.lanes;
+                for (&sample, &inside) in samples.iter().zip(inside) {
+                    lanes[lane] = sample & inside;
+                    let bit = first + lane;
+                    words[bit / usize::BITS as usize] |= ((inside & 1) as usize) << (bit % usize::BITS as usize);
+                    lane = if lane + 1 == self.lanes { 0 } else { lane + 1 };
+                }
+            }
+            return;
+        }
         output.samples.clear();
         output.samples.resize(width, 0);
         output.present.clear();
@@ -403,7 +458,22 @@ impl<I: Interpolate> TrilinUnit<I> {
 
 impl Archived for Interpolator {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let Interpolator { lanes: _, arithmetic: _, reuse: _, first, before, newest, sides, lerps, scratch: _ } = self;
+        let Interpolator {
+            lanes: _,
+            arithmetic: _,
+            reuse: _,
+            first,
+            before,
+            newest,
+            sides,
+            lerps,
+            scratch: _,
+            bounds: _,
+            rays: _,
+            inside: _,
+            placed: _,
+            lerped: _,
+        } = self;
         archive.item(first)?;
         archive.item(before)?;
         archive.item(newest)?;

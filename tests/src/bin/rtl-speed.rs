@@ -1,0 +1,103 @@
+//! The pipeline in SystemVerilog, compiled by Verilator for speed, and `Machine::cycle` on the same frame: cycles a second of each.
+//!
+//! `cargo run --release -p cube3-tests --bin rtl-speed [SIDE [SECONDS]]`, 16 voxels a side and 5 seconds each where they are not given. Seconds are those of the processor.
+
+use cube3::fidelity::Cycle;
+use cube3::inputs;
+use cube3::machine::Machine;
+use cube3::rtl_frame;
+use cube3_host::{MachineSpec, frame_setup};
+use cube3_scene::{Scene, View, VolumeSource};
+use cube3_tests::rtl_pipeline::{Design, Effort, Simulator};
+use cube3_volume::ReadOptions;
+use std::path::Path;
+use std::time::Duration;
+
+/// Frames of our simulator between two looks at the clock.
+const BATCH: u64 = 1000;
+
+fn main() {
+    let arguments: Vec<usize> = std::env::args().skip(1).filter_map(|text| text.parse().ok()).collect();
+    let n = arguments.first().copied().unwrap_or(16);
+    let time = Duration::from_secs(arguments.get(1).copied().unwrap_or(5) as u64);
+    if !Simulator::Verilator.is_there() {
+        return;
+    }
+    let machine = MachineSpec { lanes: n, ..MachineSpec::default() };
+    let volume = VolumeSource { size_voxels: Some(n), ..Scene::default().volume };
+    let scene = Scene { volume, view: View::from_direction([0.55, 0.3, 1.0], None), ..Scene::default() };
+    let loaded =
+        inputs::volume(&scene, &machine, &ReadOptions::default(), false).unwrap_or_else(|error| panic!("{error}"));
+    let words = &loaded.words.words;
+    let setup = frame_setup(&scene, &machine, &loaded.info(), true).unwrap_or_else(|error| panic!("{error}")).setup;
+    let frame = rtl_frame::export(&machine, &setup, words).unwrap_or_else(|error| panic!("{error}"));
+    let folder = std::env::temp_dir().join(format!("cube3-rtl-speed-{}", std::process::id()));
+    frame.write(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let design = Design::compile(Simulator::Verilator, &frame.parameters, Effort::Fast, &folder.join("design"));
+    let (rtl, rtl_rate) = time_rtl(&design, &folder, time);
+    let build = || -> Machine<Cycle> {
+        Machine::cycle(&machine, vec![setup.clone()], [n; 3], words).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let ours = time_ours(build, time);
+    let mut run = build();
+    run.run(&|_, _| {}).unwrap_or_else(|error| panic!("{error}"));
+    let (counters, overflows) = (run.counters(), run.overflows());
+    rtl.assert_equals(&counters, overflows, &run.into_base_planes().remove(0), &setup);
+    println!("{n} voxels a side, {} cycles a frame; bits, cycles and counters are equal", rtl.cycles);
+    println!("Verilator:             {rtl_rate:>12.0} cycles/s");
+    println!("cube3, run alone:      {:>12.0} cycles/s, {:.1} times as fast", ours[0], ours[0] / rtl_rate);
+    println!("cube3, with its set-up:{:>12.0} cycles/s, {:.1} times as fast", ours[1], ours[1] / rtl_rate);
+    let _ = std::fs::remove_dir_all(&folder);
+}
+
+/// Processor time of this process and of those that it has waited for, which others on the machine do not change.
+fn processor_time() -> Duration {
+    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_else(|error| panic!("/proc/self/stat: {error}"));
+    // Behind the name in brackets: state, 10 numbers, then user and system time of the process and of its children, in 1/100 s.
+    let fields = text.rsplit(')').next().unwrap_or_default().split_whitespace().skip(11).take(4);
+    Duration::from_millis(10 * fields.filter_map(|field| field.parse::<u64>().ok()).sum::<u64>())
+}
+
+/// The frame so often that it takes so long: what the last run wrote, and cycles a second without the start of the process.
+fn time_rtl(design: &Design, folder: &Path, time: Duration) -> (cube3_tests::rtl_pipeline::RtlRun, f64) {
+    let timed = |repeat: u64| {
+        let start = processor_time();
+        let (run, _) = design.run(folder, repeat, false);
+        (run, processor_time() - start)
+    };
+    let (_, start) = timed(1);
+    let mut repeat = 100;
+    loop {
+        let (run, elapsed) = timed(repeat);
+        let running = elapsed.saturating_sub(start);
+        if running >= time {
+            let rate = (run.cycles * (repeat - 1)) as f64 / running.as_secs_f64();
+            return (run, rate);
+        }
+        let wanted = time.as_secs_f64() * 1.2 / running.as_secs_f64().max(1e-3) * repeat as f64;
+        repeat = (wanted as u64).max(repeat + 1);
+    }
+}
+
+/// Cycles a second of our simulator: of its runs alone, and with the building of each machine.
+fn time_ours(build: impl Fn() -> Machine<Cycle>, time: Duration) -> [f64; 2] {
+    let batch = |runs: bool| {
+        let (mut cycles, start) = (0, processor_time());
+        for _ in 0..BATCH {
+            let mut machine = build();
+            if runs {
+                machine.run(&|_, _| {}).unwrap_or_else(|error| panic!("{error}"));
+            }
+            cycles += machine.now();
+        }
+        (cycles, processor_time() - start)
+    };
+    let (mut cycles, mut whole, mut building) = (0, Duration::ZERO, Duration::ZERO);
+    while whole < time {
+        let (ran, spent) = batch(true);
+        cycles += ran;
+        whole += spent;
+        building += batch(false).1;
+    }
+    [whole - building, whole].map(|elapsed| cycles as f64 / elapsed.as_secs_f64())
+}
