@@ -144,7 +144,7 @@ impl Format {
             ("lights", self.lights, 1, 8),
             ("rows", self.rows, 1, 256),
             ("classes", self.classes, 1, 16),
-            ("lanes", self.lanes, 1, 64),
+            ("lanes", self.lanes, 1, 4096),
             ("nx", self.dims[0], 1, 4096),
             ("ny", self.dims[1], 1, 4096),
             ("nz", self.dims[2], 1, 4096),

@@ -2,6 +2,7 @@
 
 mod bench;
 mod run;
+mod scene;
 mod vectors;
 mod verify;
 mod volume;
@@ -25,7 +26,7 @@ enum Command {
     /// One frame or a sequence: picture, throughput, stalls, error.
     Run(Box<run::RunArguments>),
     /// Golden vectors of units, their data sheets and test benches.
-    Vectors(vectors::VectorsArguments),
+    Vectors(Box<vectors::VectorsArguments>),
     /// Units against their specification, devices under test against vectors; the study of word lengths.
     Verify(Box<verify::VerifyArguments>),
     /// Look at, convert and make volumes.

@@ -1,15 +1,23 @@
 //! `cube3 vectors`: golden vectors, data sheets and test benches.
 
 use super::run::print;
+use super::scene::SceneArguments;
 use crate::inputs;
+use crate::machine::Machine;
 use crate::output::write_whole;
 use crate::problem::{Outcome, Problem};
+use crate::record::{Run, Window, record};
+use crate::rtl_frame;
 use clap::Args;
+use cube3_host::{BasePlane, picture_setup};
 use cube3_vectors::{Coverage, Format, Unit, Vectors, pages, testbench, units};
+use cube3_volume::ReadOptions;
 use std::path::{Path, PathBuf};
 
 /// Most lines of a file: a test bench reads them into memory.
 const MOST_LINES: usize = 1_000_000;
+/// Voxels a side of the phantom for the pipeline in RTL.
+const FRAME_SIDE: usize = 16;
 
 /// Which unit, in which words.
 #[derive(Clone, Debug, Args)]
@@ -113,6 +121,23 @@ pub struct VectorsArguments {
     /// Every unit in the default words with small tables, directed lines only: the sets that are kept in `traces/vectors`.
     #[arg(long, conflicts_with_all = ["unit", "format", "set", "machine"])]
     reference: bool,
+    /// What really flows through the unit when the machine renders a scene, not made-up lines.
+    #[arg(long, requires = "unit", conflicts_with_all = ["all", "reference", "format", "set"])]
+    from_run: bool,
+    /// First transaction of the run; of a channel, first cycle.
+    #[arg(long, default_value_t = 0, requires = "from_run")]
+    first: usize,
+    /// The frame of the run: a perspective view takes several.
+    #[arg(long, default_value_t = 0, requires = "from_run")]
+    pass: usize,
+    /// The channel of the run, for the unit `channel`: beams, aligned, rays, samples, shaded or pixels.
+    #[arg(long, default_value = "samples", requires = "from_run", value_name = "NAME")]
+    channel: String,
+    /// Registers, tables and voxels of a scene's frame for the pipeline of `tests/rtl`, and the pixels that it must give.
+    #[arg(long, conflicts_with_all = ["unit", "all", "reference", "format", "set", "from_run"])]
+    frame: bool,
+    #[command(flatten)]
+    scene: SceneArguments,
     /// Name the units and stop.
     #[arg(long)]
     list: bool,
@@ -145,6 +170,14 @@ impl VectorsArguments {
                 .iter()
                 .try_for_each(|page| write_whole(&folder.join(page.file), page.text.as_bytes()));
         }
+        if self.from_run || self.frame {
+            return self.of_scene();
+        }
+        if let Some(option) = self.scene.given() {
+            return Err(Problem::new(format!(
+                "{option} is for --from-run and --frame; give one of them, or leave it out"
+            )));
+        }
         let (format, count) =
             if self.reference { (Format::reference(), 0) } else { (self.unit.format()?, self.unit.lines()?) };
         let asked = self.unit.units()?;
@@ -156,17 +189,80 @@ impl VectorsArguments {
             Problem::new(format!("{}: {error}; give another folder with --out", self.out.display()))
         })?;
         for unit in asked {
-            let vectors = Vectors::generate(unit.as_ref(), format, count, self.unit.seed)?;
-            let coverage = vectors.coverage(unit.as_ref())?;
-            write_vectors(&self.out, &vectors)?;
-            if self.testbench {
-                let name = testbench::name(&vectors.sheet) + ".sv";
-                write_whole(&self.out.join(name), testbench::text(&vectors.sheet, &format)?.as_bytes())?;
-            }
-            print(&covered(&self.out, &vectors, &coverage))?;
+            self.write(unit.as_ref(), &Vectors::generate(unit.as_ref(), format, count, self.unit.seed)?)?;
         }
         Ok(())
     }
+
+    /// Writes a unit's files, and prints what they cover.
+    fn write(&self, unit: &dyn Unit, vectors: &Vectors) -> Outcome<()> {
+        let coverage = vectors.coverage(unit)?;
+        write_vectors(&self.out, vectors)?;
+        if self.testbench {
+            let name = testbench::name(&vectors.sheet) + ".sv";
+            write_whole(&self.out.join(name), testbench::text(&vectors.sheet, &vectors.format)?.as_bytes())?;
+        }
+        print(&covered(&self.out, vectors, &coverage))
+    }
+
+    /// Vectors or a whole frame from the run of a scene.
+    fn of_scene(&self) -> Outcome<()> {
+        // The pipeline has a lane for each voxel of a side.
+        let scene = self.scene.scene(|scene| {
+            if self.frame {
+                scene.volume.size_voxels = Some(FRAME_SIDE);
+            }
+        })?;
+        let mut machine = self.scene.machine(&self.unit.machine)?;
+        let read = ReadOptions::default();
+        let volume = inputs::volume(&scene, &machine, &read, false)?;
+        inputs::check_memory(&scene, &machine, volume.words.dims, true, &read)?;
+        std::fs::create_dir_all(&self.out).map_err(|error| {
+            Problem::new(format!("{}: {error}; give another folder with --out", self.out.display()))
+        })?;
+        let (dims, voxels) = (volume.words.dims, &volume.words.words);
+        if self.frame {
+            machine.lanes = dims[0];
+            let frames = picture_setup(&scene, &machine, &volume.info(), true)?.setups;
+            let [setup] = frames.as_slice() else {
+                return Err(Problem::new("the RTL pipeline renders parallel views only: leave the perspective out"));
+            };
+            let frame = rtl_frame::export(&machine, setup, voxels)?;
+            let mut run = Machine::cycle(&machine, frames.clone(), dims, voxels)?;
+            run.run(&|_, _| {})?;
+            let cycles = run.counters().cycles;
+            frame.write(&self.out)?;
+            let pixels = run.into_base_planes().iter().map(pixels_text).collect::<String>();
+            write_whole(&self.out.join("pixels.hex"), pixels.as_bytes())?;
+            let parameters: String =
+                frame.parameters.iter().map(|(name, value)| format!(" -P{name}={value}")).collect();
+            return print(&format!(
+                "{}: registers, tables, voxels and the right pixels; {} cycles. Parameters of the pipeline:{parameters}\n",
+                self.out.display(),
+                cycles
+            ));
+        }
+        let frames = picture_setup(&scene, &machine, &volume.info(), true)?.setups;
+        for unit in self.unit.units()? {
+            let run = Run { machine: &machine, frames: &frames, dims, voxels };
+            let window =
+                Window { frame: self.pass, first: self.first, count: self.unit.lines()?, channel: &self.channel };
+            self.write(unit.as_ref(), &record(&run, unit.as_ref(), &window)?)?;
+        }
+        Ok(())
+    }
+}
+
+/// A base plane as text: a pixel a line, row by row, red, green, blue and opacity.
+fn pixels_text(plane: &BasePlane) -> String {
+    let digits = plane.bits.div_ceil(4) as usize;
+    let word = |word: &u32| format!("{word:0digits$x}");
+    let pixel = |pixel: &[u32; 4]| pixel.iter().map(word).collect::<Vec<_>>().join(" ") + "\n";
+    format!(
+        "// {} x {} pixels, row by row: red, green, blue, opacity\n",
+        plane.width,
+        plane.pixels.len() / plane.width.max(1)
+    ) + &plane.pixels.iter().map(pixel).collect::<String>()
 }
 
 /// Writes vectors and their tables into a folder.

@@ -47,6 +47,11 @@ impl VerifyArguments {
         if self.words {
             return self.study.execute(&self.unit.machine, &self.out);
         }
+        if let Some(option) = self.study.scene.given() {
+            return Err(Problem::new(format!(
+                "{option} is for the study of word lengths; give --words too, or leave it out"
+            )));
+        }
         if self.against.is_none() && self.dut.is_none() {
             if let Some(file) = &self.vectors {
                 let file = file.display();

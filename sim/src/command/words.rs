@@ -1,18 +1,18 @@
 //! `cube3 verify --words`: the study of word lengths.
 
 use super::on_threads;
-use super::run::{gradient, keep_inputs, print};
+use super::run::{keep_inputs, print};
+use super::scene::SceneArguments;
 use crate::inputs;
 use crate::output::{remove, write_files};
-use crate::problem::{Outcome, Problem};
+use crate::problem::Outcome;
 use crate::progress::Waiting;
 use crate::words_study::wire::Wire;
 use crate::words_study::{Options, csv, json, page, plots, study, summary};
 use clap::Args;
-use cube3_host::{GradientMethod, MachineSpec};
-use cube3_scene::{Image, Mode, Scene, VolumeSource};
+use cube3_scene::Image;
 use cube3_volume::ReadOptions;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Voxels a side of the phantom, where neither scene nor volume is given.
 const SIZE: usize = 64;
@@ -22,30 +22,8 @@ const SIDE_PX: u32 = 192;
 /// Arguments of the study.
 #[derive(Debug, Args)]
 pub struct WordsArguments {
-    /// What to show; the head phantom, 64 voxels a side on 192 × 192 pixels, without it.
-    #[arg(long, requires = "words", value_name = "FILE.toml")]
-    scene: Option<PathBuf>,
-    /// Volume: .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd.
-    #[arg(long, requires = "words", value_name = "FILE", conflicts_with = "phantom")]
-    volume: Option<PathBuf>,
-    /// Built-in volume.
-    #[arg(long, requires = "words", value_name = "NAME")]
-    phantom: Option<String>,
-    /// Voxels along each side of the phantom.
-    #[arg(long, requires = "words", value_name = "VOXELS", conflicts_with = "volume")]
-    size: Option<usize>,
-    /// How a ray becomes a pixel.
-    #[arg(long, requires = "words")]
-    mode: Option<Mode>,
-    /// Degrees that the eye is turned about the vertical axis.
-    #[arg(long, requires = "words", value_name = "DEGREES", allow_negative_numbers = true)]
-    yaw: Option<f64>,
-    /// Degrees that the eye is raised above the horizon.
-    #[arg(long, requires = "words", value_name = "DEGREES", allow_negative_numbers = true)]
-    tilt: Option<f64>,
-    /// Gradient estimator: 6, 26, 10, 10n, 12, 6d or 26d.
-    #[arg(long, requires = "words", value_name = "NAME", value_parser = gradient)]
-    gradient: Option<GradientMethod>,
+    #[command(flatten)]
+    pub scene: SceneArguments,
     /// Words whose length is varied, e.g. accumulator,opacity; all without it.
     #[arg(long, requires = "words", value_name = "LIST", value_delimiter = ',', value_parser = wire)]
     wires: Vec<Wire>,
@@ -77,9 +55,12 @@ impl WordsArguments {
     /// # Errors
     /// What went wrong, in words.
     pub fn execute(self, machine: &str, out: &Path) -> Outcome<()> {
-        keep_inputs(self.scene.as_deref(), machine, out)?;
-        let scene = self.scene()?;
-        let machine = self.machine(machine)?;
+        keep_inputs(self.scene.file(), machine, out)?;
+        let scene = self.scene.scene(|scene| {
+            scene.image = Image { width_px: SIDE_PX, height_px: SIDE_PX, ..scene.image };
+            scene.volume.size_voxels = Some(SIZE);
+        })?;
+        let machine = self.scene.machine(machine)?;
         let mut wires = Wire::ALL.to_vec();
         if !self.wires.is_empty() {
             wires.retain(|wire| self.wires.contains(wire));
@@ -112,42 +93,5 @@ impl WordsArguments {
             }
         }
         print(&format!("\nwrote {}\n", write_files(out, &files)?.join(" ")))
-    }
-
-    fn scene(&self) -> Outcome<Scene> {
-        let mut scene = inputs::scene(self.scene.as_deref())?;
-        if self.scene.is_none() {
-            scene.image = Image { width_px: SIDE_PX, height_px: SIDE_PX, ..scene.image };
-            scene.volume.size_voxels = Some(SIZE);
-        }
-        if let Some(file) = &self.volume {
-            scene.volume = VolumeSource { window: scene.volume.window, ..VolumeSource::from_file(file) };
-        }
-        if self.phantom.is_some() || self.size.is_some() {
-            if self.phantom.is_none() && scene.volume.phantom.is_none() {
-                return Err(Problem::new(
-                    "--size is for phantoms, and the scene's volume is a file; give --phantom too, or leave --size out",
-                ));
-            }
-            let size = self.size.or(scene.volume.size_voxels);
-            let phantom = self.phantom.clone().or(scene.volume.phantom);
-            scene.volume =
-                VolumeSource { phantom, size_voxels: size, window: scene.volume.window, ..VolumeSource::default() };
-        }
-        if self.yaw.is_some() || self.tilt.is_some() {
-            (scene.view.direction, scene.view.up) = (None, None);
-        }
-        scene.view.yaw_deg = self.yaw.unwrap_or(scene.view.yaw_deg);
-        scene.view.tilt_deg = self.tilt.unwrap_or(scene.view.tilt_deg);
-        scene.mode = self.mode.unwrap_or(scene.mode);
-        scene.validate()?;
-        Ok(scene)
-    }
-
-    fn machine(&self, name: &str) -> Outcome<MachineSpec> {
-        let mut machine = inputs::machine(name)?;
-        machine.abc.gradient = self.gradient.unwrap_or(machine.abc.gradient);
-        machine.check(name)?;
-        Ok(machine)
     }
 }
