@@ -2,7 +2,7 @@
 //!
 //! `$readmemh`, `$fscanf`, a spreadsheet and three lines of any script can read it.
 
-use crate::{ExpressionError, Field, Format, FormatError, Sheet, Unit, Vectors};
+use crate::{ExpressionError, Field, Format, FormatError, Sheet, Table, Tables, Unit, Vectors, bits_of};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 
@@ -110,6 +110,18 @@ pub enum FileError {
     /// The sheet.
     #[error(transparent)]
     Expression(#[from] ExpressionError),
+    /// A table with too few, too many or too large entries.
+    #[error("the table {name} has {found} entries; it holds {expected} of at most {bits} bits in this format")]
+    Table {
+        /// Its name.
+        name: &'static str,
+        /// Entries there.
+        found: usize,
+        /// Entries of the table.
+        expected: i128,
+        /// Bits of an entry.
+        bits: u32,
+    },
     /// A line with too few or too many words.
     #[error("transaction {line} has {found} words; the unit has {expected} fields in this format")]
     Fields {
@@ -195,11 +207,32 @@ impl VectorFile {
         Ok(file)
     }
 
-    /// The file's lines with what the definition says to them.
+    /// The contents of a table from its text, an entry a line.
+    ///
+    /// # Errors
+    /// What is no entry, and entries that do not fit the table.
+    pub fn table(&self, of: &Table, text: &str) -> Result<Vec<i128>, FileError> {
+        let mut entries = Vec::new();
+        for (number, line) in text.lines().enumerate() {
+            let word = line.split("//").next().unwrap_or_default().trim();
+            if !word.is_empty() {
+                let entry = i128::from_str_radix(word, 16);
+                entries.push(entry.map_err(|_| FileError::Word { line: number + 1, text: word.to_owned() })?);
+            }
+        }
+        let (expected, bits) = (self.format.evaluate(of.entries)?, self.format.evaluate(of.bits)? as u32);
+        let fit = entries.iter().all(|&entry| entry >= 0 && bits_of([0, entry]) <= bits);
+        if entries.len() as i128 != expected || !fit {
+            return Err(FileError::Table { name: of.name, found: entries.len(), expected, bits });
+        }
+        Ok(entries)
+    }
+
+    /// The file's lines with what the definition says to them, with these contents of the tables.
     ///
     /// # Errors
     /// Lines that do not fit the unit.
-    pub fn vectors(&self, unit: &dyn Unit) -> Result<Vectors, FileError> {
+    pub fn vectors(&self, unit: &dyn Unit, tables: Tables) -> Result<Vectors, FileError> {
         let sheet = unit.sheet();
         let fields = Sheet::fields(&sheet.inputs, &self.format)?;
         let expected = fields.len() + Sheet::fields(&sheet.outputs, &self.format)?.len();
@@ -218,6 +251,6 @@ impl VectorFile {
             fields.iter().zip(words).map(value).collect()
         });
         let inputs: Vec<Vec<i128>> = inputs.collect::<Result<_, _>>()?;
-        Ok(Vectors::of(unit, self.format, self.seed, inputs)?)
+        Ok(Vectors::with_tables(unit, self.format, self.seed, tables, inputs)?)
     }
 }

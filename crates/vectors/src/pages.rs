@@ -289,7 +289,7 @@ impl Example {
         for unit in all {
             let sheet = unit.sheet();
             let of_page = |name: &&str| sheet.name == *name || (name.ends_with('-') && sheet.name.starts_with(*name));
-            if outline.units.iter().any(|name| of_page(&name)) {
+            if outline.units.iter().any(of_page) {
                 let _ = write!(text, "\n{}", sheet.markdown(&self.format)?);
             }
         }

@@ -2,7 +2,7 @@
 
 use cube3_vectors::compare::{Mismatch, explain, first_mismatch};
 use cube3_vectors::{
-    FileError, Format, Responses, ResponsesError, Unit, VectorFile, Vectors, testbench, units, waveform,
+    FileError, Format, Responses, ResponsesError, Table, Unit, VectorFile, Vectors, testbench, units, waveform,
 };
 use wellen::simple::read_from_reader;
 
@@ -34,7 +34,10 @@ fn a_file_is_read_as_it_was_written() {
             let text = vectors.text();
             let read = VectorFile::parse(&text).unwrap();
             assert_eq!((read.unit.as_str(), read.seed), (vectors.sheet.name, 9));
-            let again = read.vectors(unit.as_ref()).unwrap();
+            let tables = vectors.sheet.tables.iter().zip(vectors.table_texts());
+            let tables = tables.map(|(of, (_, text))| read.table(of, &text).unwrap()).collect();
+            assert_eq!(tables, vectors.tables);
+            let again = read.vectors(unit.as_ref(), tables).unwrap();
             assert_eq!((&again.inputs, &again.outputs), (&vectors.inputs, &vectors.outputs), "{}", read.unit);
             assert_eq!(again.text(), text);
         }
@@ -70,10 +73,18 @@ fn what_is_wrong_in_a_file_is_told_with_its_line() {
     assert!(matches!(VectorFile::parse(&broken), Err(FileError::Format(_))));
     assert!(matches!(VectorFile::parse(&(text.clone() + "12 34 5g\n")), Err(FileError::Word { .. })));
     let short = VectorFile::parse(&(text.clone() + "12 34\n")).unwrap();
-    assert!(matches!(short.vectors(unit.as_ref()), Err(FileError::Fields { line: 300, found: 2, expected: 12 })));
+    assert!(matches!(
+        short.vectors(unit.as_ref(), Vec::new()),
+        Err(FileError::Fields { line: 300, found: 2, expected: 12 })
+    ));
     let large = VectorFile::parse(&text.replacen(" 100 ", " 101 ", 1)).unwrap();
-    let error = large.vectors(unit.as_ref()).unwrap_err();
+    let error = large.vectors(unit.as_ref(), Vec::new()).unwrap_err();
     assert!(error.to_string().ends_with("weight_w = 257 is outside 0 to 256"), "{error}");
+    let table = Table { name: "root", entries: "3", bits: "4", meaning: "" };
+    assert_eq!(short.table(&table, "1\n2 // two\n\nf\n"), Ok(vec![1, 2, 15]));
+    assert!(matches!(short.table(&table, "1\n2\n"), Err(FileError::Table { found: 2, expected: 3, .. })));
+    assert!(matches!(short.table(&table, "1\n2\n10\n"), Err(FileError::Table { bits: 4, .. })));
+    assert!(matches!(short.table(&table, "1\nx\n3\n"), Err(FileError::Word { line: 2, .. })));
 }
 
 #[test]

@@ -162,8 +162,8 @@ impl VectorsArguments {
     /// What went wrong, in words.
     pub fn execute(self) -> Outcome<()> {
         if self.list {
-            let line = |unit: &Box<dyn Unit>| format!("{:<14} {}\n", unit.sheet().name, unit.sheet().title);
-            return print(&units().iter().map(line).collect::<String>());
+            let line = |unit: Box<dyn Unit>| format!("{:<14} {}\n", unit.sheet().name, unit.sheet().title);
+            return print(&units().into_iter().map(line).collect::<String>());
         }
         if let Some(folder) = &self.pages {
             return pages::pages()?

@@ -7,7 +7,7 @@ use crate::output::write_whole;
 use crate::problem::{Outcome, Problem};
 use clap::Args;
 use cube3_vectors::compare::{explain, first_mismatch};
-use cube3_vectors::{Format, Responses, Unit, VectorFile, Vectors, ranges, waveform};
+use cube3_vectors::{Format, Responses, Tables, Unit, VectorFile, Vectors, ranges, waveform};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -111,7 +111,15 @@ impl VerifyArguments {
         if self.unit.unit.as_ref().is_some_and(|name| *name != file.unit) {
             return Err(place(format!("these are vectors of {}; leave out --unit", file.unit)));
         }
-        let vectors = file.vectors(unit.as_ref()).map_err(|error| place(error.to_string()))?;
+        let mut tables = Tables::new();
+        for of in unit.sheet().tables {
+            // Beside the vectors, with the table's name before the extension.
+            let path = path.with_extension(format!("{}.hex", of.name));
+            let place = |what: String| Problem::new(format!("{}: {what}", path.display()));
+            let text = std::fs::read_to_string(&path).map_err(|error| place(error.to_string()))?;
+            tables.push(file.table(&of, &text).map_err(|error| place(error.to_string()))?);
+        }
+        let vectors = file.vectors(unit.as_ref(), tables).map_err(|error| place(error.to_string()))?;
         Ok((unit, vectors))
     }
 
