@@ -177,4 +177,22 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn gathered_edges_are_lerps_of_the_voxels_at_their_columns() {
+        let words = Words { sample_fraction_bits: 3, ..Words::default() };
+        let lanes = TrilinLanes::new(&words);
+        let (front, back) = ([100, 2000, 30_000, 400], [5, 60_000, 70, 800]);
+        // Columns beyond the row give the voxel at its end.
+        let columns: [[i32; 6]; 2] = [[0, 1, 2, 3, -2, 9], [1, 1, 3, 2, 0, 3]];
+        for offset in [0, 1, 77, 255] {
+            let mut out = [0; 6];
+            lanes.gathered_along_w(&front, &back, [&columns[0], &columns[1]], offset, &mut out);
+            for i in 0..6 {
+                let voxel = |row: &[u16; 4], column: i32| lift(row[column.clamp(0, 3) as usize], &words);
+                let [near, far] = [voxel(&front, columns[0][i]), voxel(&back, columns[1][i])];
+                assert_eq!(out[i], cube3_word::lerp(near, far, offset, words.weight_bits, words.rounding));
+            }
+        }
+    }
 }

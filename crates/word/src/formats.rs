@@ -121,4 +121,12 @@ mod tests {
         let narrow = Words { voxel_bits: 1, gradient_bits: 2, table_bits: 1, ..Words::default() };
         narrow.check().unwrap();
     }
+
+    #[test]
+    fn a_sample_has_the_fraction_and_a_gradient_drops_what_it_has_no_room_for() {
+        let words = Words { voxel_bits: 12, sample_fraction_bits: 3, gradient_bits: 9, ..Words::default() };
+        assert_eq!((words.sample_bits(), words.gradient_drop()), (15, 7));
+        let whole = Words { gradient_bits: 16, ..words };
+        assert_eq!(whole.gradient_drop(), 0);
+    }
 }

@@ -103,12 +103,25 @@ mod tests {
             vectorised(|| lanes.varying(&near, &far, &weights, &mut out));
             for i in 0..out.len() {
                 prop_assert_eq!(out[i], lerp(near[i], far[i], weights[i], fraction_bits, rounding));
+                prop_assert_eq!(out[i], lanes.one(near[i], far[i], weights[i]));
             }
             let weight = (part * one).round() as u32;
             vectorised(|| lanes.uniform(&near, &far, weight, &mut out));
             for i in 0..out.len() {
                 prop_assert_eq!(out[i], lerp(near[i], far[i], weight, fraction_bits, rounding));
             }
+        }
+    }
+
+    #[test]
+    fn a_row_that_has_no_weight_is_not_read() {
+        for fraction_bits in 0..=12 {
+            let lanes = LerpLanes::new(16, fraction_bits, Rounding::Nearest);
+            let mut out = [0; 3];
+            lanes.uniform(&[7, 8, 9], &[], 0, &mut out);
+            assert_eq!(out, [7, 8, 9]);
+            lanes.uniform(&[], &[4, 5, 6], 1 << fraction_bits, &mut out);
+            assert_eq!(out, [4, 5, 6]);
         }
     }
 }
