@@ -239,10 +239,17 @@ fn verify_words_writes_tables_page_and_diagrams() {
 }
 
 #[test]
-fn mistakes_of_verify_get_one_message() {
+fn mistakes_of_verify_and_vectors_get_one_message() {
     let folder = tempfile::tempdir().unwrap();
     for (arguments, part) in [
-        (&["verify"][..], "give --words"),
+        (&["verify", "--yaw", "3"][..], "give --words"),
+        (&["verify", "--dut", "true"], "--unit is missing"),
+        (&["verify", "--unit", "hue"], "the units are cfb, bus"),
+        (&["verify", "--unit", "lerp", "--format", "17.8"], "1 to 16"),
+        (&["verify", "--unit", "lerp", "--set", "colour"], "NAME=NUMBER"),
+        (&["verify", "--unit", "lerp", "--words"], "cannot be used with"),
+        (&["vectors", "--tilt", "3"], "--from-run"),
+        (&["vectors", "--unit", "lerp", "--count", "1000001"], "at most"),
         (&["verify", "--words", "--wires", "colour,hue"], "accumulator"),
         (&["verify", "--words", "--bound", "-1"], "above 0"),
         (&["verify", "--words", "--phantom", "heart"], "heart"),
@@ -254,4 +261,69 @@ fn mistakes_of_verify_get_one_message() {
         assert!(message.contains(part) && message.trim_end().lines().count() == 1, "{message}");
     }
     assert!(std::fs::read_dir(folder.path()).unwrap().next().is_none());
+}
+
+/// Vectors, a device that is right, one that is wrong, and one that does not answer.
+#[test]
+fn a_device_is_held_against_vectors() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = cube3(folder.path(), &["vectors", "--unit", "node", "--count", "300", "--testbench", "--out", "v"]);
+    assert!(made.status.success(), "{}", text(&made.stderr));
+    assert!(text(&made.stdout).contains("of 25 points covered"), "{}", text(&made.stdout));
+    assert!(folder.path().join("v/cube3_node_tb.sv").exists());
+    // The outputs of a line are its last six fields.
+    let right = "grep -v // %i | awk '{print $14,$15,$16,$17,$18,$19}' > %o";
+    let device =
+        |command: &str| cube3(folder.path(), &["verify", "--vectors", "v/node.hex", "--dut", command, "--out", "o"]);
+    let output = device(right);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("all 300 lines are equal, bit for bit"));
+    assert!(!folder.path().join("o/node.fst").exists());
+    let wrong = right.replace("$19", "$18");
+    let output = device(&wrong);
+    assert_eq!(output.status.code(), Some(2));
+    let shown = text(&output.stdout);
+    assert!(shown.contains("wires of the definition") && shown.contains("* rgba[3]"), "{shown}");
+    assert_eq!(text(&output.stderr).trim_end().lines().count(), 1);
+    assert!(folder.path().join("o/node.fst").metadata().unwrap().len() > 0);
+    for (command, part) in [
+        ("true", "has no %o"),
+        ("exit 3 # %o", "ended with"),
+        ("true # %o", "wrote no"),
+        ("echo 1 > %o", "1 fields"),
+        ("echo 1 2 3 4 5 six > %o", "no hexadecimal"),
+        ("echo 1 2 3 4 5 6 > %o", "1 lines for 300"),
+    ] {
+        let output = device(command);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{command}: {message}");
+        assert!(message.contains(part) && message.trim_end().lines().count() == 1, "{message}");
+    }
+}
+
+/// Recorded lines come with the frame's tables, and are equal to themselves.
+#[test]
+fn recorded_vectors_are_verified_with_the_tables_of_the_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = ["--phantom", "head", "--size", "16"];
+    for unit in ["trilin", "normalise", "classify", "phong"] {
+        let made = cube3(
+            folder.path(),
+            &[&["vectors", "--from-run", "--unit", unit, "--count", "200", "--out", "v"], &scene[..]].concat(),
+        );
+        assert!(made.status.success(), "{}", text(&made.stderr));
+        let vectors = format!("v/{unit}.hex");
+        let body = std::fs::read_to_string(folder.path().join(&vectors)).unwrap();
+        let outputs = body.lines().find_map(|line| line.strip_prefix("// outputs")).unwrap();
+        let count: usize = outputs
+            .split_whitespace()
+            .map(|port| port.split(['[', ']']).nth(1).map_or(1, |count| count.parse().unwrap()))
+            .sum();
+        let device = format!(
+            "grep -v // %i | awk '{{for (i = NF - {count} + 1; i <= NF; i++) printf \"%%s \", $i; print \"\"}}' > %o"
+        )
+        .replace("%%s", "%s");
+        let output = cube3(folder.path(), &["verify", "--vectors", &vectors, "--dut", &device, "--out", "o"]);
+        assert!(output.status.success(), "{unit}: {}{}", text(&output.stdout), text(&output.stderr));
+    }
 }

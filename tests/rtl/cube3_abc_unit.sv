@@ -252,7 +252,7 @@ module cube3_abc_unit #(
                 .KEPT_BITS(KEPT_BITS), .TABLE_BITS(TABLE_BITS), .COLOUR_BITS(COLOUR_BITS), .OPACITY_BITS(OPACITY_BITS),
                 .ROWS(1), .CLASSES(1), .OPACITY_FILE(OPACITY_FILE), .COLOUR_FILE(COLOUR_FILE)
             ) tables (
-                .sample(sample), .magnitude(magnitude), .\class (4'd0), .threshold(threshold), .row_shift(5'd0),
+                .sample(sample), .magnitude(magnitude), .length_class(4'd0), .threshold(threshold), .row_shift(5'd0),
                 .visible(visible), .opacity(opacity), .colour(colour)
             );
             wire [3*(COLOUR_BITS+8)-1:0] diffuse;

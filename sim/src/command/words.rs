@@ -28,10 +28,10 @@ pub struct WordsArguments {
     #[arg(long, requires = "words", value_name = "LIST", value_delimiter = ',', value_parser = wire)]
     wires: Vec<Wire>,
     /// Bound of a picture's mean error, in levels of 1/255.
-    #[arg(long, requires = "words", value_name = "LEVELS", default_value_t = Options::default().bound_levels, value_parser = bound)]
+    #[arg(long, requires = "words", value_name = "LEVELS", allow_negative_numbers = true, default_value_t = Options::default().bound_levels, value_parser = bound)]
     bound: f64,
     /// Bound of the mean angle of the normalised gradient.
-    #[arg(long, requires = "words", value_name = "DEGREES", default_value_t = Options::default().bound_deg, value_parser = bound)]
+    #[arg(long, requires = "words", value_name = "DEGREES", allow_negative_numbers = true, default_value_t = Options::default().bound_deg, value_parser = bound)]
     angle_bound: f64,
     /// Threads; all cores without it.
     #[arg(long, requires = "words")]

@@ -96,8 +96,9 @@ pub fn cost(machine: &MachineSpec, dims: [usize; 3], setup: &FrameSetup) -> Cost
 /// Operators of each part.
 pub fn parts(machine: &MachineSpec, setup: &FrameSetup) -> Vec<PartCost> {
     let words = &machine.words;
-    // The adder that rounds a product to nearest.
-    let round = u64::from(words.rounding == Rounding::Nearest);
+    // The adder that rounds to nearest, where any bits are dropped.
+    let rounds = |dropped: u64| u64::from(words.rounding == Rounding::Nearest && dropped > 0);
+    let round = rounds(words.weight_bits.into());
     let lanes = machine.lanes as u64;
     let sample = u64::from(words.sample_bits());
     let fraction = u64::from(words.weight_bits) + 1;
@@ -125,14 +126,14 @@ pub fn parts(machine: &MachineSpec, setup: &FrameSetup) -> Vec<PartCost> {
         part(
             "abc: gradient scale",
             lanes,
-            none.multipliers(3, difference, factor).adders(3 * round, difference + factor),
+            none.multipliers(3, difference, factor).adders(3 * rounds(factor - 1 - kept), difference + factor),
         );
     }
     // The difference without what is dropped is compared with both ends of the word.
     let gradient_word = u64::from(words.gradient_bits) + kept;
-    let drops = u64::from(words.gradient_drop() > 0);
+    let round_word = rounds(u64::from(words.gradient_drop()) + extra(method));
     let dropped = gradient_word + difference - (sample + 1) - extra(method);
-    part("abc: gradient word", lanes, none.adders(3 * drops * round, difference + kept).comparators(6, dropped));
+    part("abc: gradient word", lanes, none.adders(3 * round_word, difference + kept).comparators(6, dropped));
 
     let normal = u64::from(words.normal_bits);
     let normaliser = none
@@ -151,15 +152,18 @@ pub fn parts(machine: &MachineSpec, setup: &FrameSetup) -> Vec<PartCost> {
     let (intensity, light_sum) = (colour + 4, colour + 8);
     match machine.abc.shading {
         ShadingUnit::Phong => {
-            let cosine =
-                none.multipliers(3, normal, normal).adders(2 + 1 + round, 2 * normal + 2).comparators(1, normal + 1);
+            let one_bits = normal - 1;
+            let cosine = none
+                .multipliers(3, normal, normal)
+                .adders(2 + 1 + rounds(one_bits), 2 * normal + 2)
+                .comparators(1, normal + 1);
             let light = none
                 .and(2, cosine)
-                .adders(round, normal)
+                .adders(rounds(one_bits.saturating_sub(machine.abc.power_bits.into())), normal)
                 .multipliers(3, intensity, normal)
-                .adders(3 * round, intensity + normal)
+                .adders(3 * rounds(one_bits), intensity + normal)
                 .multipliers(3, intensity, colour + 1)
-                .adders(3 * round, intensity + colour + 1)
+                .adders(3 * rounds(colour), intensity + colour + 1)
                 .adders(6, light_sum);
             part("abc: a light", lanes * lights(setup), light);
         }
@@ -176,7 +180,7 @@ pub fn parts(machine: &MachineSpec, setup: &FrameSetup) -> Vec<PartCost> {
     }
     let lit = none
         .multipliers(3, colour, light_sum)
-        .adders(3 * round, colour + light_sum)
+        .adders(3 * rounds(colour), colour + light_sum)
         .adders(3, light_sum)
         .comparators(3, light_sum);
     part("abc: lit colour", lanes, lit);
@@ -184,8 +188,11 @@ pub fn parts(machine: &MachineSpec, setup: &FrameSetup) -> Vec<PartCost> {
     // Linear functions of ray and depth do not depend on the words: fractions, and the places of the largest volume.
     let place = u64::from(LARGEST_SIDE.ilog2()) + 1;
     let (cue, factor) = (u64::from(LinearFactor::FRACTION_BITS) + place, u64::from(LinearFactor::WORD_BITS) + 1);
-    let depth_cue =
-        none.adders(1, cue).comparators(2, cue).multipliers(3, colour, factor).adders(3 * round, colour + factor);
+    let depth_cue = none
+        .adders(1, cue)
+        .comparators(2, cue)
+        .multipliers(3, colour, factor)
+        .adders(3 * rounds(factor - 1), colour + factor);
     part("abc: depth cue", lanes, depth_cue);
     let clip = u64::from(HalfSpace::FRACTION_BITS) + place;
     let clips = MOST_CUTS as u64 + 6;
@@ -193,13 +200,17 @@ pub fn parts(machine: &MachineSpec, setup: &FrameSetup) -> Vec<PartCost> {
 
     let accumulator = u64::from(words.accumulator_bits);
     let unit_mul = none.multipliers(1, accumulator, accumulator).adders(2, 2 * accumulator);
-    part("cone: leaf", lanes, none.and(3, unit_mul));
+    part("cone: leaf", lanes, none.and(3, unit_mul).comparators(1, words.opacity_bits.into()));
     // Sums of a weighted sum grow with the depth.
     let sum = accumulator + u64::from(setup.geometry.size[2].next_power_of_two().ilog2());
     let node = none.adders(1, accumulator).comparators(1, sample).and(4, unit_mul).adders(4, sum);
     part("cone: node", ConeSpec::of(machine, machine.lanes).nodes() as u64, node);
     let weight = u64::from(ConeRegisters::WEIGHT_BITS) + 1;
-    part("cone: weight of a sum", 1, none.multipliers(4, sum, weight).adders(4, sum + weight).comparators(4, sum));
+    part(
+        "cone: weight of a sum",
+        1,
+        none.multipliers(4, sum, weight).adders(4 * rounds(weight - 1), sum + weight).comparators(4, sum),
+    );
     parts
 }
 
@@ -217,7 +228,6 @@ fn gradient(method: GradientMethod, sample: u64, fraction: u64, round: u64, lerp
     let differences = none.adders(3, sample + 1);
     // Nine differences of each component, and their sum.
     let weighted = none.adders(3 * 9, sample + 1).adders(3 * 8, sample + 1 + 4);
-    let rounded = none.adders(3 * round, sample + 1 + 4);
     let shear = |difference: u64| {
         let along = difference + fraction + 1;
         none.multipliers(2, difference, fraction).adders(1, along).adders(round, along).adders(1, difference + 2)
@@ -226,8 +236,8 @@ fn gradient(method: GradientMethod, sample: u64, fraction: u64, round: u64, lerp
     match method {
         GradientMethod::Six => (differences, difference),
         GradientMethod::SixSheared => (differences.and(1, shear(difference)), difference + 2),
-        GradientMethod::TwentySix => (weighted.and(1, rounded), difference),
-        GradientMethod::TwentySixSheared => (weighted.and(1, rounded).and(1, shear(difference)), difference + 2),
+        GradientMethod::TwentySix => (weighted, difference),
+        GradientMethod::TwentySixSheared => (weighted.and(1, shear(difference)), difference + 2),
         GradientMethod::Ten | GradientMethod::TenNormalised => (differences.and(4, lerp), difference),
         GradientMethod::Twelve => (differences.and(6, lerp), difference),
     }
