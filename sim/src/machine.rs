@@ -411,6 +411,14 @@ impl<F: Fidelity> Machine<F> {
         [of(&self.beams), of(&self.aligned), of(&self.rays), of(&self.samples), of(&self.shaded), of(&self.pixels)]
     }
 
+    /// Cycles that tokens of each frame take longer in a channel than its latency: those of a cone that turns.
+    pub fn extra_latency(&self, joint: Joint) -> Vec<u64> {
+        if joint.from != ConeUnit::<F::Cone>::NAME {
+            return vec![0; self.frames.len()];
+        }
+        self.cone.specs().iter().map(|spec| spec.extra_latency()).collect()
+    }
+
     /// Cycles so far.
     pub fn now(&self) -> u64 {
         self.cycle

@@ -259,6 +259,11 @@ impl<R: Reduce> ConeUnit<R> {
         Activity::Busy
     }
 
+    /// The data sheet of each frame.
+    pub fn specs(&self) -> &[ConeSpec] {
+        &self.specs
+    }
+
     /// The arithmetic, to ask what it counted.
     pub fn arithmetic(&self) -> &R {
         &self.arithmetic

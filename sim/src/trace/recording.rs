@@ -171,6 +171,7 @@ impl Recorder {
             joint,
             capacity: reading.capacity,
             latency: reading.latency,
+            extra: machine.extra_latency(joint),
             held,
         });
         let recording = Recording {
@@ -256,6 +257,8 @@ pub struct Track {
     pub capacity: usize,
     /// Cycles from push to pop.
     pub latency: u64,
+    /// Cycles that tokens of each frame take longer.
+    pub extra: Vec<u64>,
     /// Tokens in it when the recording starts, oldest first, each with the cycles until it can be popped.
     pub held: Vec<(Token, u64)>,
 }
@@ -348,7 +351,8 @@ impl Recording {
                     let token = jump.unwrap_or(next[i]);
                     events.pushed[i] = Some(token);
                     next[i] = successor(token);
-                    queue.push_back((token, cycle + track.latency));
+                    let extra = track.extra.get(token.frame as usize).copied().unwrap_or(0);
+                    queue.push_back((token, cycle + track.latency + extra));
                 }
                 events.occupancy[i] = queue.len();
             }
