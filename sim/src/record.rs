@@ -20,7 +20,6 @@ use cube3_host::{
     ConeOrder, DiscreteRay, FrameSetup, GradientMethod, GradientScale, LinearFactor, MachineSpec, Phong, RaySlots,
     Shading,
 };
-use cube3_scene::Mode;
 use cube3_trilin::golden::{Weights, cell, lift};
 use cube3_vectors::{ExpressionError, Format, Tables, Unit, Vectors};
 use std::convert::Infallible;
@@ -244,11 +243,6 @@ fn gradient_unit(method: GradientMethod) -> &'static str {
         GradientMethod::SixSheared => "gradient-6d",
         GradientMethod::TwentySixSheared => "gradient-26d",
     }
-}
-
-/// The code of a mode in vectors.
-fn mode_code(mode: Mode) -> i128 {
-    Mode::ALL.iter().position(|&other| other == mode).unwrap_or(0) as i128
 }
 
 /// The lines of a window, as they go by.
@@ -568,7 +562,7 @@ impl Frame<'_> {
 
     fn leaf_line(&self, shaded: &Shaded) -> Vec<i128> {
         let cone = &self.setup.cone;
-        let mut line = vec![mode_code(cone.mode), cone.opaque.into()];
+        let mut line = vec![cone.mode.code().into(), cone.opaque.into()];
         if shaded.present {
             line.extend([1, shaded.sample.into(), shaded.opacity.into()]);
             fields(&mut line, &shaded.colour);
@@ -582,7 +576,7 @@ impl Frame<'_> {
     fn rays(&self, unit: &str, lines: &mut Lines) -> ControlFlow<()> {
         let setup = self.setup;
         let (cone, words, geometry) = (&setup.cone, &setup.words, &setup.geometry);
-        let mode = mode_code(cone.mode);
+        let mode = cone.mode.code().into();
         for [plane, slot] in self.slots(true) {
             let at = |k: usize| leaf(&self.shaded(geometry.ray_in_slot(plane, slot, k), k), cone, words);
             if unit == "cone" {
@@ -630,7 +624,7 @@ impl Frame<'_> {
         let mut rays: Vec<DiscreteRay> = (0..cone.leaves).map(|i| leaves[(start + i) % cone.leaves].ray).collect();
         rays.dedup();
         let number = |leaf: &Segment| rays.iter().position(|ray| *ray == leaf.ray).unwrap_or(RAYS) as i128;
-        let mut line = vec![mode_code(cone.mode), start as i128];
+        let mut line = vec![cone.mode.code().into(), start as i128];
         line.extend(leaves.iter().map(|leaf| i128::from(leaf.node.present)));
         line.extend(leaves.iter().map(|leaf| i128::from(leaf.node.sample)));
         leaves.iter().for_each(|leaf| fields(&mut line, &leaf.node.rgba));

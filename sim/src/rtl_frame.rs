@@ -32,7 +32,6 @@ use cube3_host::{
     Cfb, ConeKind, Dsb, FrameSetup, GradientMethod, HostLink, LinearFactor, MachineSpec, MemoryType, Phong, RaySlots,
     Shading,
 };
-use cube3_scene::Mode;
 use cube3_word::Rounding;
 use std::fmt::{Display, Write as _};
 use std::io;
@@ -257,18 +256,6 @@ fn phong(setup: &FrameSetup) -> Option<&Phong> {
     }
 }
 
-/// The mode's code.
-fn mode(mode: Mode) -> u32 {
-    match mode {
-        Mode::Composite => 0,
-        Mode::FirstOpaque => 1,
-        Mode::LastOpaque => 2,
-        Mode::Maximum => 3,
-        Mode::Minimum => 4,
-        Mode::WeightedSum => 5,
-    }
-}
-
 /// Registers as they are listed: a word and its name a line.
 #[derive(Default)]
 struct Listing {
@@ -314,7 +301,7 @@ fn registers(setup: &FrameSetup) -> String {
     list.word(u32::from(phong.is_some()), "colours are lit");
     list.word(phong.map_or(0, |phong| phong.ambient), "ambient light");
     list.word(phong.map_or(0, |phong| u32::from(phong.two_sided)), "lit from both sides");
-    list.word(mode(setup.cone.mode), "mode of the cone");
+    list.word(setup.cone.mode.code(), "mode of the cone");
     list.word(setup.cone.opaque, "opaque from");
     list.word(setup.cone.sum_weight as u32, "weight of the sum, low word");
     list.word((setup.cone.sum_weight >> 32) as u32, "weight of the sum, high word");

@@ -31,6 +31,11 @@ impl Mode {
     pub const ALL: [Mode; 6] =
         [Mode::Composite, Mode::FirstOpaque, Mode::LastOpaque, Mode::Maximum, Mode::Minimum, Mode::WeightedSum];
 
+    /// The number of the mode in registers and vectors: its place in [`Mode::ALL`].
+    pub const fn code(self) -> u32 {
+        self as u32
+    }
+
     /// The name of the mode in files and on the command line.
     pub const fn name(self) -> &'static str {
         match self {
@@ -71,7 +76,8 @@ mod tests {
 
     #[test]
     fn a_mode_has_one_name_in_files_on_the_command_line_and_in_print() {
-        for mode in Mode::ALL {
+        for (code, mode) in Mode::ALL.into_iter().enumerate() {
+            assert_eq!(mode.code() as usize, code);
             assert_eq!(mode.to_string().parse::<Mode>().unwrap(), mode);
             assert_eq!(serde_json::to_string(&mode).unwrap(), format!("\"{mode}\""));
         }

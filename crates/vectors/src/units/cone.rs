@@ -1,6 +1,6 @@
 //! The folded cone: a segmented reduction of one slot.
 
-use super::modes::{MODE, MODES, legal};
+use super::modes::{MODE, legal};
 use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
 use cube3_cone::golden::{Node, tree};
@@ -26,7 +26,7 @@ struct Slot {
 impl Slot {
     fn new(inputs: &[i128], leaves: usize) -> Slot {
         let mut fields = Reader::new(inputs);
-        let mode = MODES[fields.word() as usize];
+        let mode = Mode::ALL[fields.word() as usize];
         let start = fields.word() as usize;
         let present: Vec<bool> = (0..leaves).map(|_| fields.flag()).collect();
         let sample: Vec<i32> = (0..leaves).map(|_| fields.signed()).collect();

@@ -1,11 +1,12 @@
 //! A leaf of the cone.
 
-use super::modes::{MODE, MODES};
+use super::modes::MODE;
 use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
 use cube3_abc::golden::Shaded;
 use cube3_cone::golden::leaf_wires;
 use cube3_host::{ConeOrder, ConeRegisters};
+use cube3_scene::Mode;
 
 /// The wires of a product of unit words of `A` bits.
 pub fn unit_mul_wires(part: &'static str, count: &'static str) -> [Wire; 3] {
@@ -72,7 +73,7 @@ impl Unit for Leaf {
 
     fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
         let mut fields = Reader::new(inputs);
-        let mode = MODES[fields.word() as usize];
+        let mode = Mode::ALL[fields.word() as usize];
         let opaque = fields.word();
         let (present, sample, opacity, colour) = (fields.flag(), fields.signed(), fields.word(), fields.words());
         let cone = ConeRegisters { mode, order: ConeOrder::Tree, leaves: 1, opaque, sum_weight: 0 };

@@ -1,14 +1,9 @@
-//! The codes of the cone's modes, and what its nodes never hold.
+//! The port of the cone's mode, and what its nodes never hold.
 
 use crate::Format;
-use cube3_scene::Mode;
 use cube3_word::unit_full;
 
-/// The modes by their codes.
-pub const MODES: [Mode; 6] =
-    [Mode::Composite, Mode::FirstOpaque, Mode::LastOpaque, Mode::Maximum, Mode::Minimum, Mode::WeightedSum];
-
-/// The code's port.
+/// The mode's port: [`cube3_scene::Mode::code`].
 pub const MODE: crate::Port = crate::Port::unsigned(
     "mode",
     "3",

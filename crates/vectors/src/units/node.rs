@@ -1,10 +1,11 @@
 //! A node of the cone.
 
 use super::leaf::unit_mul_wires;
-use super::modes::{MODE, MODES, legal};
+use super::modes::{MODE, legal};
 use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
 use cube3_cone::golden::{Node as GoldenNode, combine_wires};
+use cube3_scene::Mode;
 
 /// The node.
 pub struct Node;
@@ -61,7 +62,7 @@ impl Unit for Node {
 
     fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
         let mut fields = Reader::new(inputs);
-        let mode = MODES[fields.word() as usize];
+        let mode = Mode::ALL[fields.word() as usize];
         let mut node = || GoldenNode {
             present: fields.flag(),
             sample: fields.signed(),

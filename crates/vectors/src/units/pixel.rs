@@ -1,10 +1,11 @@
 //! The pixel of a ray's last node.
 
-use super::modes::{MODE, MODES, legal};
+use super::modes::{MODE, legal};
 use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
 use cube3_cone::golden::{Node, pixel_wires};
 use cube3_host::{ConeOrder, ConeRegisters};
+use cube3_scene::Mode;
 
 /// The pixel.
 pub struct Pixel;
@@ -50,7 +51,7 @@ impl Unit for Pixel {
 
     fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
         let mut fields = Reader::new(inputs);
-        let mode = MODES[fields.word() as usize];
+        let mode = Mode::ALL[fields.word() as usize];
         let present = fields.flag();
         let rgba = std::array::from_fn(|_| fields.field() as u64);
         let sum_weight = fields.field() as u64;
