@@ -10,13 +10,14 @@ use std::path::Path;
 const LEAST: usize = 5;
 const LINES: usize = 400;
 
-/// Whether the vectors of the break's unit differ in any of its formats, or the module cannot even be compiled.
+/// Whether the vectors of the break's unit differ in any of its formats. A break that cannot be compiled would be caught by anything.
 fn caught(of: &Break, iverilog: &Path, vvp: &Path) -> Result<(), String> {
     let copy = broken(of)?;
     let unit = units().into_iter().find(|unit| unit.sheet().name == of.unit);
     let unit = unit.ok_or_else(|| format!("{}: there is no unit {}", of.what, of.unit))?;
     for format in std::iter::once(Format::reference()).chain(unit.formats()) {
-        if Bench::new(unit.as_ref(), &format, LINES).icarus(iverilog, vvp, copy.path()) != Ok(0) {
+        let differ = Bench::new(unit.as_ref(), &format, LINES).icarus(iverilog, vvp, copy.path());
+        if differ.map_err(|error| format!("{}: \"{}\": {error}", of.module, of.what))? > 0 {
             return Ok(());
         }
     }
