@@ -77,6 +77,7 @@ pub fn combine_wires(mode: Mode, left: Node, right: Node, words: &Words, probe: 
         Mode::LastOpaque => right,
         Mode::Maximum | Mode::Minimum => {
             let wins = if mode == Mode::Maximum { right.sample > left.sample } else { right.sample < left.sample };
+            probe.wire("order", 0, (i64::from(right.sample) - i64::from(left.sample)).into());
             probe.wire("wins", 0, wins.into());
             if wins { right } else { left }
         }

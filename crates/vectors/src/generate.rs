@@ -5,6 +5,7 @@ use crate::expression::ExpressionError;
 use crate::{Field, Format, Recorder, Sheet, Tables, Unit};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
+use std::collections::HashSet;
 
 /// Random lines that are tried for a point that no line has hit.
 const TRIES: usize = 4000;
@@ -71,6 +72,9 @@ impl Vectors {
             line
         }));
         if !sheet.clocked {
+            // Ends and corners may meet; lines of a clocked unit are a story and stay.
+            let mut seen = HashSet::new();
+            lines.retain(|line| seen.insert(line.clone()));
             let mut coverage = Coverage::new(&sheet, &format)?;
             let (tables, mut recorder) = (unit.tables(&format), Recorder::default());
             let mut see = |coverage: &mut Coverage, line: &Vec<i128>| {

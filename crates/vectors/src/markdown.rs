@@ -36,12 +36,28 @@ fn ports(text: &mut String, direction: &str, ports: &[Port], format: &Format) ->
     Ok(())
 }
 
+/// The parameters of the RTL module with their values.
+fn parameters(sheet: &Sheet, format: &Format) -> String {
+    let (_, further) = sheet.rtl();
+    let set = format.settings().into_iter().filter(|(name, _)| sheet.parameters.contains(name));
+    let mut all: Vec<String> = set.map(|(name, value)| format!("`{}` = {value}", name.to_uppercase())).collect();
+    all.extend(
+        further
+            .split(", ")
+            .filter(|further| !further.is_empty())
+            .map(|further| format!("`{}`", further.trim_start_matches('.').replace('(', " = ").replace(')', ""))),
+    );
+    all.extend(sheet.tables.iter().map(|table| format!("`{}_FILE`, a file of that table", table.name.to_uppercase())));
+    if all.is_empty() { "none".into() } else { all.join(", ") }
+}
+
 /// A sheet with the numbers of a format.
 pub fn section(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
     let mut text = String::new();
     let (module, _) = sheet.rtl();
     let _ = writeln!(text, "## {}\n\n{}\n", sheet.title, sheet.purpose);
     let _ = writeln!(text, "Vectors: `{}`. RTL: `tests/rtl/{module}.sv`. Source: {}.\n", sheet.name, sheet.source);
+    let _ = writeln!(text, "Parameters: {}.\n", parameters(sheet, format));
     let _ = writeln!(text, "| | port | bits | | meaning |\n| --- | --- | --- | --- | --- |");
     ports(&mut text, "in", &sheet.inputs, format)?;
     ports(&mut text, "out", &sheet.outputs, format)?;

@@ -22,6 +22,12 @@ impl Unit for Node {
                 "2^A - 1",
             )
             .times("4"),
+            Wire::new(
+                "order",
+                "maximum and minimum compare: right sample − left, of which only the sign counts",
+                "-M",
+                "M",
+            ),
             Wire::new("wins", "maximum: right sample > left; minimum: right sample < left", "0", "1")
                 .made_by(Kind::Cases),
             Wire::new("sum", "weighted-sum: left + right, of 4096 samples at most", "0", "4096 * (2^A - 1)").times("4"),
@@ -42,9 +48,11 @@ impl Unit for Node {
         Sheet {
             name: "node",
             title: "Node",
-            purpose: "Two neighbouring stretches of a ray become one; the left one is nearer to the eye. Nothing beside something gives the \
-                      something. Composite: C = C_L + (1 − α_L)·C_R and α likewise. First- and last-opaque take the left and the right. \
-                      Maximum and minimum take the sample that is larger or smaller, the left one where equal. A weighted sum adds.",
+            purpose: "Two neighbouring stretches of a ray become one; the left one is nearer to the eye. A stretch that has nothing is all 0, \
+                      and nothing beside something gives the something, all fields of it. Composite: C = C_L + (1 − α_L)·C_R and α \
+                      likewise; there no opacity is above 2^A − 1 and no colour above its opacity. A weighted sum adds. Both keep the left \
+                      sample. First- and last-opaque pass on the left and the right stretch, maximum and minimum the one whose sample is \
+                      larger or smaller, the left one where equal, with all its fields.",
             source: "Pfister et al. 1995, section 6; `cube3_cone::golden::combine`",
             parameters: &["voxel_bits", "sample_fraction_bits", "accumulator_bits", "nearest"],
             module: None,

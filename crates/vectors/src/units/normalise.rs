@@ -41,7 +41,8 @@ impl Unit for Normalise {
             purpose: "Direction and length of a gradient. All three components are shifted alike until the largest has its highest one at \
                       the top of B bits; a table of reciprocal roots over the squared length of that block makes its components those of \
                       a unit vector, fractions of B − 1 bits; block times direction, shifted back, is the length. The direction is odd in \
-                      every component, and 0 where the gradient is 0. It rounds to nearest in every format.",
+                      every component. Direction and length of a gradient that is 0 are 0, and the other wires then carry nothing. It \
+                      rounds to nearest in every format.",
             source: "Pfister et al. 1995, section 4; `cube3_abc::golden::normalise`",
             parameters: &["gradient_bits", "kept_bits", "normal_bits", "root_bits"],
             module: None,
