@@ -13,12 +13,12 @@ use cube3_abc::golden::{
 };
 use cube3_cfb::golden::Skew;
 use cube3_cfb::{FrameBuffer, FrameBufferError, scan};
-use cube3_cone::golden::{Node, combine, leaf};
+use cube3_cone::golden::{Node, combine, leaf, pixel, reduce};
 use cube3_cone::lanes::Segment;
 use cube3_cone::{place_of_circle, segments};
 use cube3_host::{
-    ConeOrder, DiscreteRay, FrameSetup, GradientMethod, GradientScale, LinearFactor, MachineSpec, Phong, RaySlots,
-    Shading,
+    BasePlane, ConeOrder, DiscreteRay, FrameSetup, GradientMethod, GradientScale, LinearFactor, MachineSpec, Phong,
+    RaySlots, Shading,
 };
 use cube3_trilin::golden::{Weights, cell, lift};
 use cube3_vectors::{ExpressionError, Format, Tables, Unit, Vectors};
@@ -170,6 +170,25 @@ pub fn record(run: &Run<'_>, unit: &dyn Unit, window: &Window<'_>) -> Result<Vec
     let vectors = Vectors::with_tables(unit, format, 0, tables, Vec::new())?;
     check(&vectors, &inputs)?;
     Ok(Vectors::with_tables(unit, format, 0, vectors.tables, inputs)?)
+}
+
+/// The base plane of a frame by the definitions alone, sample by sample and ray by ray: no beam, no token, no lanes.
+///
+/// # Errors
+/// A frame that is not there.
+pub fn defined_base_plane(run: &Run<'_>, frame: usize) -> Result<BasePlane, RecordError> {
+    let setup = run.frames.get(frame).ok_or(RecordError::Frame { frame, frames: run.frames.len() })?;
+    let frame = Frame { run, setup };
+    let (cone, words, geometry) = (&setup.cone, &setup.words, &setup.geometry);
+    let mut base = BasePlane::empty(geometry, words.accumulator_bits);
+    let first = geometry.first_ray();
+    for (place, word) in base.pixels.iter_mut().enumerate() {
+        let [row, column] = [place / base.width, place % base.width].map(|i| i as i64);
+        let ray = DiscreteRay { u: first.u + column, v: first.v + row };
+        let leaves: Vec<Node> = (0..geometry.size[2]).map(|k| leaf(&frame.shaded(ray, k), cone, words)).collect();
+        *word = pixel(reduce(&leaves, cone, words), cone, words).value;
+    }
+    Ok(base)
 }
 
 /// Whether the unit's vectors hold the lines.

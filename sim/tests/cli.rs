@@ -247,6 +247,10 @@ fn mistakes_of_verify_and_vectors_get_one_message() {
         (&["verify", "--unit", "hue"], "the units are cfb, bus"),
         (&["verify", "--unit", "lerp", "--format", "17.8"], "1 to 16"),
         (&["verify", "--unit", "lerp", "--set", "colour"], "NAME=NUMBER"),
+        (&["verify", "--unit", "lerp", "--set", "nearest=2"], "no number that nearest can have"),
+        (&["verify", "--vectors", "none.hex", "--dut", "true %o"], "`cube3 vectors` wrote"),
+        (&["verify", "--vectors", "none.hex", "--count", "5", "--dut", "true %o"], "cannot be used with"),
+        (&["vectors", "--unit", "node", "--count", "230000", "--testbench", "--out", "."], "holds 220752 lines"),
         (&["verify", "--unit", "lerp", "--words"], "cannot be used with"),
         (&["vectors", "--tilt", "3"], "--from-run"),
         (&["vectors", "--unit", "lerp", "--count", "1000001"], "at most"),
@@ -269,7 +273,7 @@ fn a_device_is_held_against_vectors() {
     let folder = tempfile::tempdir().unwrap();
     let made = cube3(folder.path(), &["vectors", "--unit", "node", "--count", "300", "--testbench", "--out", "v"]);
     assert!(made.status.success(), "{}", text(&made.stderr));
-    assert!(text(&made.stdout).contains("of 25 points covered"), "{}", text(&made.stdout));
+    assert!(text(&made.stdout).contains("of 28 points covered"), "{}", text(&made.stdout));
     assert!(folder.path().join("v/cube3_node_tb.sv").exists());
     // The outputs of a line are its last six fields.
     let right = "grep -v // %i | awk '{print $14,$15,$16,$17,$18,$19}' > %o";
@@ -286,6 +290,13 @@ fn a_device_is_held_against_vectors() {
     assert!(shown.contains("wires of the definition") && shown.contains("* rgba[3]"), "{shown}");
     assert_eq!(text(&output.stderr).trim_end().lines().count(), 1);
     assert!(folder.path().join("o/node.fst").metadata().unwrap().len() > 0);
+    // Paths are quoted for the shell, and what they hold is not filled in again.
+    let arguments = ["verify", "--vectors", "v/node.hex", "--dut", right, "--out", "o's %d"];
+    assert!(cube3(folder.path(), &arguments).status.success());
+    let text_of = std::fs::read_to_string(folder.path().join("v/node.hex")).unwrap();
+    std::fs::write(folder.path().join("v/node.hex"), text_of.replacen(" 1 ", " 0 ", 1)).unwrap();
+    assert!(text(&device(right).stderr).contains("not those of the digest"));
+    std::fs::write(folder.path().join("v/node.hex"), text_of).unwrap();
     for (command, part) in [
         ("true", "has no %o"),
         ("exit 3 # %o", "ended with"),
@@ -326,4 +337,15 @@ fn recorded_vectors_are_verified_with_the_tables_of_the_frame() {
         let output = cube3(folder.path(), &["verify", "--vectors", &vectors, "--dut", &device, "--out", "o"]);
         assert!(output.status.success(), "{unit}: {}{}", text(&output.stdout), text(&output.stderr));
     }
+}
+
+/// What `verify` says of our own lanes, wires and units.
+#[test]
+fn verify_holds_our_own_units_against_the_definitions() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = cube3(folder.path(), &["verify", "--count", "60"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let shown = text(&output.stdout);
+    assert_eq!(shown.lines().count(), 24, "a line for each unit, and one for all on channels: {shown}");
+    assert!(shown.contains("on channels    180 frames: every pixel"), "{shown}");
 }

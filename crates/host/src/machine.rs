@@ -530,6 +530,14 @@ impl MachineSpec {
         toml::to_string_pretty(self).unwrap_or_default()
     }
 
+    /// The machine with other words; its tables get no more index bits than a normal has.
+    pub fn with_words(mut self, words: Words) -> MachineSpec {
+        self.words = words;
+        self.abc.power_bits = self.abc.power_bits.min(words.normal_bits - 1);
+        self.abc.root_bits = self.abc.root_bits.min(2 * (words.normal_bits - 1));
+        self
+    }
+
     /// Checks every range; `place` names the machine in errors.
     ///
     /// # Errors

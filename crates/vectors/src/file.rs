@@ -31,19 +31,28 @@ pub(crate) fn line(fields: &[Field], values: &[i128]) -> String {
 }
 
 impl Vectors {
-    /// The contents of `<unit>.hex`.
-    pub fn text(&self) -> String {
+    /// The lines of `<unit>.hex` below its header.
+    fn body(&self) -> String {
         let mut body = String::new();
         for (inputs, outputs) in self.inputs.iter().zip(&self.outputs) {
             let _ = writeln!(body, "{} {}", line(&self.fields[0], inputs), line(&self.fields[1], outputs));
         }
-        let mut hash = Sha256::new();
-        hash.update(&body);
-        let mut tables = String::new();
-        for (name, text) in self.table_texts() {
+        body
+    }
+
+    /// SHA-256 of the lines below the header, and then of the tables.
+    pub fn digest(&self) -> String {
+        let mut hash = Sha256::new_with_prefix(self.body());
+        for (_, text) in self.table_texts() {
             hash.update(&text);
-            let _ = write!(tables, " {name}:{}", text.lines().count());
         }
+        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+
+    /// The contents of `<unit>.hex`.
+    pub fn text(&self) -> String {
+        let tables: Vec<String> =
+            self.table_texts().iter().map(|(name, text)| format!(" {name}:{}", text.lines().count())).collect();
         let settings: Vec<String> = self
             .format
             .settings()
@@ -51,11 +60,10 @@ impl Vectors {
             .filter(|(name, _)| self.sheet.parameters.contains(name))
             .map(|(name, value)| format!(" {name}={value}"))
             .collect();
-        let digest: String = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
         let counted = if self.sheet.clocked { "cycles" } else { "transactions" };
         format!(
             "// {MAGIC}\n// unit {}\n// format{}\n// seed {}\n// generator cube3 {}\n// {counted} {}\n// inputs{}\n\
-             // outputs{}\n// tables{tables}\n// sha256 {digest}\n{body}",
+             // outputs{}\n// tables{}\n// sha256 {}\n{}",
             self.sheet.name,
             settings.concat(),
             self.seed,
@@ -63,6 +71,9 @@ impl Vectors {
             self.inputs.len(),
             ports(&self.fields[0]),
             ports(&self.fields[1]),
+            tables.concat(),
+            self.digest(),
+            self.body(),
         )
     }
 
@@ -88,6 +99,8 @@ pub struct VectorFile {
     pub seed: u64,
     /// The words of each line.
     pub lines: Vec<Vec<u128>>,
+    /// The digest that the header gives.
+    pub digest: Option<String>,
 }
 
 /// Why a text is no vector file.
@@ -122,6 +135,12 @@ pub enum FileError {
         /// Bits of an entry.
         bits: u32,
     },
+    /// Contents that are not those that were written.
+    #[error(
+        "the lines or tables are not those of the digest in the header: they were changed, or the definition was; make the file \
+         again, or take out its line \"// sha256\" to use its inputs as they are"
+    )]
+    Digest,
     /// A line with too few or too many words.
     #[error("transaction {line} has {found} words; the unit has {expected} fields in this format")]
     Fields {
@@ -162,7 +181,8 @@ impl VectorFile {
     /// # Errors
     /// The first line that is not understood.
     pub fn parse(text: &str) -> Result<VectorFile, FileError> {
-        let mut file = VectorFile { unit: String::new(), format: Format::default(), seed: 0, lines: Vec::new() };
+        let mut file =
+            VectorFile { unit: String::new(), format: Format::default(), seed: 0, lines: Vec::new(), digest: None };
         if text.lines().next().map(str::trim) != Some(&format!("// {MAGIC}")) {
             return Err(FileError::Magic);
         }
@@ -181,6 +201,7 @@ impl VectorFile {
             };
             match comment.trim().split_once(' ') {
                 Some(("unit", name)) => file.unit = name.trim().into(),
+                Some(("sha256", digest)) => file.digest = Some(digest.trim().into()),
                 Some(("seed", seed)) => file.seed = seed.trim().parse().map_err(|_| header())?,
                 Some(("format", settings)) => {
                     let mut names = Vec::new();
@@ -251,6 +272,11 @@ impl VectorFile {
             fields.iter().zip(words).map(value).collect()
         });
         let inputs: Vec<Vec<i128>> = inputs.collect::<Result<_, _>>()?;
-        Ok(Vectors::with_tables(unit, self.format, self.seed, tables, inputs)?)
+        let vectors = Vectors::with_tables(unit, self.format, self.seed, tables, inputs)?;
+        // What was written is the definition's: inputs, outputs and tables that were changed, or lines that are missing, show here.
+        match &self.digest {
+            Some(digest) if *digest != vectors.digest() => Err(FileError::Digest),
+            _ => Ok(vectors),
+        }
     }
 }

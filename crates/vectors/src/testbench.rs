@@ -8,7 +8,7 @@ use crate::{Field, Format, Sheet};
 use std::fmt::Write;
 
 /// Words that a bench can hold.
-const MOST_WORDS: usize = 1 << 22;
+pub const MOST_WORDS: usize = 1 << 22;
 /// Lines of a vector file's header before the one that counts its lines.
 const COUNT_LINE: usize = 5;
 

@@ -77,6 +77,15 @@ fn what_is_wrong_in_a_file_is_told_with_its_line() {
         short.vectors(unit.as_ref(), Vec::new()),
         Err(FileError::Fields { line: 300, found: 2, expected: 12 })
     ));
+    let edited = VectorFile::parse(&text.replacen(" 100 ", " 0ff ", 1)).unwrap();
+    assert_eq!(edited.vectors(unit.as_ref(), Vec::new()).unwrap_err(), FileError::Digest);
+    let inputs: String = text
+        .replacen(" 100 ", " 0ff ", 1)
+        .lines()
+        .filter(|line| !line.contains("sha256"))
+        .map(|l| l.to_owned() + "\n")
+        .collect();
+    assert!(VectorFile::parse(&inputs).unwrap().vectors(unit.as_ref(), Vec::new()).is_ok());
     let large = VectorFile::parse(&text.replacen(" 100 ", " 101 ", 1)).unwrap();
     let error = large.vectors(unit.as_ref(), Vec::new()).unwrap_err();
     assert!(error.to_string().ends_with("weight_w = 257 is outside 0 to 256"), "{error}");

@@ -25,7 +25,7 @@ pub struct UnitArguments {
     /// A unit: `cube3 vectors --list` names them.
     #[arg(long, value_name = "NAME")]
     pub unit: Option<String>,
-    /// Bits of a voxel and of a weight, e.g. 16.8; the machine's without it.
+    /// Bits of a voxel, 1 to 16, and of a weight, 0 to 12, e.g. 16.8; the machine's without it.
     #[arg(long, value_name = "VOXEL.WEIGHT")]
     pub format: Option<String>,
     /// Other words and sizes, e.g. accumulator_bits=8,nearest=0: names as in a vector file's header.
@@ -55,13 +55,17 @@ impl UnitArguments {
         let mut names = Vec::new();
         for setting in &self.set {
             names.extend(setting.split('=').next().map(str::trim));
-            let set = setting.split_once('=').and_then(|(name, value)| Some((name, value.trim().parse().ok()?)));
-            if !set.is_some_and(|(name, value)| format.set(name.trim(), value)) {
-                let names: Vec<&str> = format.settings().into_iter().map(|(name, _)| name).collect();
+            let (name, value) = setting.split_once('=').unwrap_or((setting, ""));
+            let known = format.settings();
+            if !known.iter().any(|(other, _)| *other == name.trim()) {
+                let known: Vec<&str> = known.into_iter().map(|(name, _)| name).collect();
                 return Err(Problem::new(format!(
                     "--set {setting}: give NAME=NUMBER with one of {}",
-                    names.join(", ")
+                    known.join(", ")
                 )));
+            }
+            if !value.trim().parse().is_ok_and(|value| format.set(name.trim(), value)) {
+                return Err(Problem::new(format!("--set {setting}: \"{value}\" is no number that {name} can have")));
             }
         }
         format.fit(&names);
@@ -134,7 +138,7 @@ pub struct VectorsArguments {
     #[arg(long, default_value = "samples", requires = "from_run", value_name = "NAME")]
     channel: String,
     /// Registers, tables and voxels of a scene's frame for the pipeline of `tests/rtl`, and the pixels that it must give.
-    #[arg(long, conflicts_with_all = ["unit", "all", "reference", "format", "set", "from_run"])]
+    #[arg(long, conflicts_with_all = ["unit", "all", "reference", "format", "set", "from_run", "count", "seed", "testbench"])]
     frame: bool,
     #[command(flatten)]
     scene: SceneArguments,
@@ -196,6 +200,13 @@ impl VectorsArguments {
 
     /// Writes a unit's files, and prints what they cover.
     fn write(&self, unit: &dyn Unit, vectors: &Vectors) -> Outcome<()> {
+        let most = testbench::MOST_WORDS / vectors.fields.iter().map(Vec::len).sum::<usize>();
+        if self.testbench && vectors.inputs.len() > most {
+            return Err(Problem::new(format!(
+                "--testbench: a bench of {} holds {most} lines; give --count {most} at most",
+                vectors.sheet.name
+            )));
+        }
         let coverage = vectors.coverage(unit)?;
         write_vectors(&self.out, vectors)?;
         if self.testbench {

@@ -3,11 +3,17 @@
 use super::run::print;
 use super::vectors::{UnitArguments, unit, write_vectors};
 use super::words::WordsArguments;
+use crate::inputs;
+use crate::machine::Machine;
 use crate::output::write_whole;
 use crate::problem::{Outcome, Problem};
+use crate::record::{Run, defined_base_plane};
 use clap::Args;
+use cube3_host::{MachineSpec, VolumeInfo, frame_setup};
+use cube3_scene::{Mode, Scene, View};
 use cube3_vectors::compare::{explain, first_mismatch};
-use cube3_vectors::{Format, Responses, Tables, Unit, VectorFile, Vectors, ranges, waveform};
+use cube3_vectors::{Format, Responses, Tables, Unit, VectorFile, Vectors, ranges, waveform, word_formats};
+use cube3_word::{Words, unit_full};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -20,7 +26,7 @@ pub struct VerifyArguments {
     #[command(flatten)]
     unit: UnitArguments,
     /// Take the lines of this vector file, not generated ones.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["format", "set", "machine", "count", "seed"])]
     vectors: Option<PathBuf>,
     /// Compare what a device answered: a line of output fields for each line of the vectors.
     #[arg(long, value_name = "FILE", conflicts_with = "dut")]
@@ -71,8 +77,12 @@ impl VerifyArguments {
             (None, Some(command)) => run_device(command, &self.out, &path)?,
             (None, None) => return Ok(()),
         };
-        let text = std::fs::read_to_string(&answers)
-            .map_err(|error| Problem::new(format!("{}: {error}", answers.display())))?;
+        let text = std::fs::read_to_string(&answers).map_err(|error| {
+            let file = answers.display();
+            Problem::new(format!(
+                "{file}: {error}; give a text file with a line of output fields for each line of the vectors"
+            ))
+        })?;
         let responses = Responses::parse(&text, &vectors)
             .map_err(|error| Problem::new(format!("{}: {error}", answers.display())))?;
         let Some(mismatch) = first_mismatch(&vectors, &responses) else {
@@ -105,7 +115,8 @@ impl VerifyArguments {
             return Ok((unit, vectors));
         };
         let place = |what: String| Problem::new(format!("{}: {what}", path.display()));
-        let text = std::fs::read_to_string(path).map_err(|error| place(error.to_string()))?;
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| place(format!("{error}; give a file that `cube3 vectors` wrote")))?;
         let file = VectorFile::parse(&text).map_err(|error| place(error.to_string()))?;
         let unit = unit(&file.unit)?;
         if self.unit.unit.as_ref().is_some_and(|name| *name != file.unit) {
@@ -159,11 +170,83 @@ impl VerifyArguments {
                 formats.len()
             ))?;
         }
+        if self.unit.unit.is_none() {
+            let words: Vec<Words> = if asked {
+                vec![self.unit.format()?.words]
+            } else {
+                word_formats().iter().map(|format| format.words).collect()
+            };
+            let machine = inputs::machine(&self.unit.machine)?;
+            let mut frames = 0;
+            for words in words {
+                let found = units_in_frames(&machine, words)?;
+                frames += found.frames;
+                wrong.extend(found.wrong);
+            }
+            print(&format!(
+                "on channels    {frames} frames: every pixel of the cycle run is that of the definitions\n"
+            ))?;
+        }
         match wrong.first() {
             None => Ok(()),
             Some(first) => Err(Problem::new(format!("{first} ({} found in all)", wrong.len()))),
         }
     }
+}
+
+/// Voxels a side of a frame that is compared pixel by pixel, and lanes: a ray takes two chunks.
+const SIDE: usize = 6;
+const LANES: usize = 4;
+
+/// Frames that were compared, and what is wrong in them.
+struct Frames {
+    frames: usize,
+    wrong: Vec<String>,
+}
+
+/// Runs the units on their channels with a volume of noise, in several views and in every mode, and compares each pixel with the
+/// definitions.
+fn units_in_frames(machine: &MachineSpec, words: Words) -> Outcome<Frames> {
+    let machine = MachineSpec { lanes: LANES, ..machine.clone().with_words(words) };
+    let top = u64::from(unit_full(words.voxel_bits));
+    // A linear congruence is noise enough; its high bits are the better ones.
+    let noise = std::iter::successors(Some(1_u64), |state| {
+        Some(state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407))
+    });
+    let voxels: Vec<u16> = noise.take(SIDE.pow(3)).map(|state| ((state >> 33) % (top + 1)) as u16).collect();
+    let volume = VolumeInfo { dims: [SIDE; 3], spacing: [1.0; 3], window: [0.0, 1.0] };
+    let mut found = Frames { frames: 0, wrong: Vec::new() };
+    for mode in Mode::ALL {
+        for direction in [[0.0, 0.0, 1.0], [0.5, 0.25, 1.0], [-1.0, 0.7, 0.2]] {
+            let scene = Scene { view: View::from_direction(direction, None), mode, ..Scene::default() };
+            let frames = [frame_setup(&scene, &machine, &volume, true)?.setup];
+            let mut run = Machine::cycle(&machine, frames.to_vec(), [SIDE; 3], &voxels)?;
+            run.run(&|_, _| {})?;
+            let of = Run { machine: &machine, frames: &frames, dims: [SIDE; 3], voxels: &voxels };
+            found.frames += 1;
+            if run.into_base_planes() != [defined_base_plane(&of, 0)?] {
+                found.wrong.push(format!("the units on channels: mode {mode}, view {direction:?}, {words:?}"));
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// A command with its `%` letters replaced by paths, quoted for the shell; each once, whatever a path holds.
+fn filled(command: &str, paths: [(char, String); 3]) -> String {
+    let mut line = String::new();
+    let mut letters = command.chars().peekable();
+    while let Some(letter) = letters.next() {
+        let path = paths.iter().find(|(name, _)| letter == '%' && letters.peek() == Some(name));
+        match path {
+            Some((_, path)) => {
+                letters.next();
+                line += &format!("'{}'", path.replace('\'', r"'\''"));
+            }
+            None => line.push(letter),
+        }
+    }
+    line
 }
 
 /// Runs a device under test in the shell; where it wrote its answers.
@@ -179,10 +262,7 @@ fn run_device(command: &str, folder: &Path, vectors: &Path) -> Outcome<PathBuf> 
         }
         _ => {}
     }
-    let line = command
-        .replace("%i", &absolute(vectors)?)
-        .replace("%o", &absolute(&answers)?)
-        .replace("%d", &absolute(folder)?);
+    let line = filled(command, [('i', absolute(vectors)?), ('o', absolute(&answers)?), ('d', absolute(folder)?)]);
     let status = Command::new("sh").args(["-c", &line]).status()?;
     if !status.success() {
         return Err(Problem::new(format!("--dut: `{line}` ended with {status}")));

@@ -229,14 +229,13 @@ impl Design {
     }
 
     /// The machine that it is of. Its cone keeps its kind where that has the order; else it is a folded tree or a chain, which
-    /// take as many nodes for as many rays. The power table's index is no longer than a normal's fraction.
+    /// take as many nodes for as many rays.
     pub fn machine(&self, machine: &MachineSpec) -> MachineSpec {
-        let mut made = MachineSpec { words: self.words, ..machine.clone() };
+        let mut made = machine.clone();
         if self.fine_tables {
             (made.abc.root_bits, made.abc.power_bits) = FINE_TABLES;
         }
-        made.abc.power_bits = made.abc.power_bits.min(self.words.normal_bits - 1);
-        made.abc.root_bits = made.abc.root_bits.min(2 * (self.words.normal_bits - 1));
+        made = made.with_words(self.words);
         if made.cone.kind.order() != self.order.of_cone() {
             made.cone.kind = match self.order {
                 Order::Tree => ConeKind::FoldedTree,
