@@ -135,6 +135,7 @@ impl<'a> Case<'a> {
         run.run(&|_, _| {}).unwrap();
         let (counters, overflows) = (run.counters(), run.overflows());
         let base = run.into_base_planes().remove(0);
+        assert!(base.pixels.iter().any(|pixel| pixel[3] > 0), "{}: an empty picture proves nothing", self.name);
         let (rtl, activities) = design.run(folder, 1, true);
         println!("{simulator:?}: {}: {} cycles, {} pixels", self.name, rtl.cycles, rtl.pixels.len());
         rtl.assert_equals(&counters, overflows, &base, &self.setup);

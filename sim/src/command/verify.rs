@@ -142,20 +142,23 @@ impl VerifyArguments {
         for unit in self.unit.units()? {
             let formats: Vec<Format> = if asked { vec![self.unit.format()?] } else { unit.formats() };
             let name = unit.sheet().name;
-            let (mut lines, mut lanes, mut wires) = (0, 0, 0);
+            let (mut lines, mut answered, mut equal, mut wires, mut hold) = (0, 0, 0, 0, 0);
             for format in &formats {
                 let vectors = Vectors::generate(unit.as_ref(), *format, count, self.unit.seed)?;
                 lines += vectors.inputs.len();
                 if let Some(values) = unit.lanes(format, &vectors.tables, &vectors.inputs) {
-                    lanes += values.len();
+                    answered += values.len();
+                    equal += values.len();
                     let responses = Responses::from_values(&vectors, &values);
                     if let Some(mismatch) = first_mismatch(&vectors, &responses) {
+                        equal -= mismatch.lines;
                         print(&explain(unit.as_ref(), &vectors, &responses, &mismatch))?;
                         wrong.push(format!("{name}: lanes differ from the definition"));
                     }
                 }
                 let found = ranges::search(unit.as_ref(), format, count.min(1000), self.unit.seed)?;
                 wires += found.wires.len();
+                hold += found.wires.iter().filter(|wire| wire.holds()).count();
                 for wire in found.wires.iter().filter(|wire| !wire.holds()) {
                     wrong.push(format!(
                         "{name}: the wire {} carries {:?}, beyond {:?}",
@@ -163,10 +166,12 @@ impl VerifyArguments {
                     ));
                 }
             }
-            let lanes =
-                if lanes == 0 { "no lanes of its own".into() } else { format!("{lanes} lines equal in its lanes") };
+            let lanes = match answered {
+                0 => "no lanes of its own".into(),
+                _ => format!("{equal} of {answered} equal in its lanes"),
+            };
             print(&format!(
-                "{name:<14} {:>2} formats  {lines:>7} lines  {lanes:<34} {wires:>4} ranges hold\n",
+                "{name:<14} {:>2} formats  {lines:>7} lines  {lanes:<40} {hold:>4} of {wires} ranges hold\n",
                 formats.len()
             ))?;
         }
@@ -177,15 +182,20 @@ impl VerifyArguments {
                 word_formats().iter().map(|format| format.words).collect()
             };
             let machine = inputs::machine(&self.unit.machine)?;
-            let mut frames = 0;
+            let mut all = Frames { frames: 0, seen: 0, wrong: Vec::new() };
             for words in words {
                 let found = units_in_frames(&machine, words)?;
-                frames += found.frames;
-                wrong.extend(found.wrong);
+                all.frames += found.frames;
+                all.seen += found.seen;
+                all.wrong.extend(found.wrong);
             }
             print(&format!(
-                "on channels    {frames} frames: every pixel of the cycle run is that of the definitions\n"
+                "on channels    of {} frames, with {} pixels that are not empty, {} differ from the definitions\n",
+                all.frames,
+                all.seen,
+                all.wrong.len()
             ))?;
+            wrong.extend(all.wrong);
         }
         match wrong.first() {
             None => Ok(()),
@@ -198,9 +208,10 @@ impl VerifyArguments {
 const SIDE: usize = 6;
 const LANES: usize = 4;
 
-/// Frames that were compared, and what is wrong in them.
+/// Frames that were compared, pixels in them that are not empty, and what is wrong.
 struct Frames {
     frames: usize,
+    seen: usize,
     wrong: Vec<String>,
 }
 
@@ -214,8 +225,9 @@ fn units_in_frames(machine: &MachineSpec, words: Words) -> Outcome<Frames> {
         Some(state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407))
     });
     let voxels: Vec<u16> = noise.take(SIDE.pow(3)).map(|state| ((state >> 33) % (top + 1)) as u16).collect();
-    let volume = VolumeInfo { dims: [SIDE; 3], spacing: [1.0; 3], window: [0.0, 1.0] };
-    let mut found = Frames { frames: 0, wrong: Vec::new() };
+    // The default scene's opacity rises within these data values.
+    let volume = VolumeInfo { dims: [SIDE; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
+    let mut found = Frames { frames: 0, seen: 0, wrong: Vec::new() };
     for mode in Mode::ALL {
         for direction in [[0.0, 0.0, 1.0], [0.5, 0.25, 1.0], [-1.0, 0.7, 0.2]] {
             let scene = Scene { view: View::from_direction(direction, None), mode, ..Scene::default() };
@@ -223,8 +235,10 @@ fn units_in_frames(machine: &MachineSpec, words: Words) -> Outcome<Frames> {
             let mut run = Machine::cycle(&machine, frames.to_vec(), [SIDE; 3], &voxels)?;
             run.run(&|_, _| {})?;
             let of = Run { machine: &machine, frames: &frames, dims: [SIDE; 3], voxels: &voxels };
+            let defined = defined_base_plane(&of, 0)?;
             found.frames += 1;
-            if run.into_base_planes() != [defined_base_plane(&of, 0)?] {
+            found.seen += defined.pixels.iter().filter(|pixel| pixel[3] > 0).count();
+            if run.into_base_planes() != [defined] {
                 found.wrong.push(format!("the units on channels: mode {mode}, view {direction:?}, {words:?}"));
             }
         }
