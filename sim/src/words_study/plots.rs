@@ -74,7 +74,7 @@ const MEAN: &str = "mean error, levels of 1/255";
 fn others(base: Base) -> &'static str {
     match base {
         Base::Wide => "others wide",
-        Base::Machine => "others as the machine",
+        Base::Machine => "others: machine",
     }
 }
 
