@@ -304,14 +304,12 @@ impl<'a, T: Accumulator> Worker<'a, T> {
             let rows: [[&[i32]; 3]; 3] = [0, 1, 2].map(|w| [0, 1, 2].map(|dv| row(w, dv)));
             self.shaded.present.clear();
             self.shaded.present.resize(n, 1);
-            let (abc, cone, shaded) = (&mut self.abc, &mut self.cone, &mut self.shaded);
+            let neighbour = |w: usize, dv: usize, u: usize| &rows[w][dv][u..u + n];
+            self.abc.shade(n, neighbour, |lane| [from + lane as i64, v, k as i64], geometry, &mut self.shaded);
+            let (cone, shaded) = (&mut self.cone, &self.shaded);
             vectorised(
                 #[inline(always)]
-                || {
-                    let neighbour = |w: usize, dv: usize, u: usize| &rows[w][dv][u..u + n];
-                    abc.shade(n, neighbour, |lane| [from + lane as i64, v, k as i64], geometry, shaded);
-                    cone.push(Some((from, &*shaded, |lane: usize| rows[1][1][lane + 1])));
-                },
+                || cone.push(Some((from, shaded, |lane: usize| rows[1][1][lane + 1]))),
             );
             overflows += self.shaded.overflows;
         }

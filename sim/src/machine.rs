@@ -222,7 +222,7 @@ impl Machine<Cycle> {
         let parts = |setup: &FrameSetup| Parts {
             dsb: PlaneStore::new(&setup.geometry, lanes, machine.dsb.planes),
             trilin: Interpolator::new(setup, lanes),
-            abc: Shader::new(setup, lanes, machine.abc.planes, true),
+            abc: Shader::new(setup, machine.abc.planes, true),
             host: Collector { base: BasePlane::empty(&setup.geometry, setup.words.accumulator_bits) },
         };
         Ok(Machine::assemble(machine, frames, memory, Rotator { lanes }, Reducer::default(), parts)?)

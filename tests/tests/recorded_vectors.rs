@@ -7,7 +7,6 @@ use cube3_abc::golden::{Local, classify_in, direction_index, lit, local_gradient
 use cube3_cone::Pixels;
 use cube3_cone::golden::{Node, leaf, pixel};
 use cube3_cone::segments;
-use cube3_dsb::golden::ray_lane;
 use cube3_host::{
     ConeOrder, FrameSetup, GradientMethod, LinearFactor, MachineSpec, Phong, PhongLight, Shading, picture_setup,
 };
@@ -128,21 +127,17 @@ proptest! {
         for (frame, (setup, tokens)) in setups.iter().zip(tokens(machine, &setups, volume)).enumerate() {
             let [slots, planes] = setup.geometry.slot_counts();
             let depths = setup.geometry.size[2];
-            let lane = |slot: usize, k: usize| ray_lane(machine.lanes, slot, k);
             let places = || (0..slots * planes).flat_map(|token| (0..depths).map(move |k| (token, k)));
             let outputs = |name: &str| recorded(&run, of_name(name).as_ref(), frame).map(|vectors| vectors.outputs);
 
             let samples: Vec<Vec<i128>> = places()
-                .map(|(token, k)| (&tokens.samples[token], lane(token % slots, k)))
-                .filter(|(ray, lane)| ray.present[*lane])
-                .map(|(ray, lane)| vec![ray.samples[lane].into()])
+                .map(|(token, k)| (&tokens.samples[token], k))
+                .filter(|(ray, k)| ray.present[*k])
+                .map(|(ray, k)| vec![ray.samples[k].into()])
                 .collect();
             prop_assert_eq!(outputs("trilin").unwrap_or_default(), samples);
 
-            let at = |token: usize, k: usize| {
-                let ([_, slot], shaded) = &tokens.shaded[token];
-                leaf(&shaded.0[lane(*slot, k)], &setup.cone, &setup.words)
-            };
+            let at = |token: usize, k: usize| leaf(&tokens.shaded[token].1.at(k), &setup.cone, &setup.words);
             let fields = |node: Node| {
                 let mut fields = vec![node.present.into(), node.sample.into()];
                 fields.extend(node.rgba.map(i128::from));
@@ -279,9 +274,9 @@ proptest! {
                 coloured = lines.iter().map(cued).collect();
             }
             let mut expected = Vec::new();
-            for ([_, slot], shaded) in &tokens.shaded {
+            for (_, shaded) in &tokens.shaded {
                 for k in 0..setup.geometry.size[2] {
-                    let shaded = shaded.0[ray_lane(machine.lanes, *slot, k)];
+                    let shaded = shaded.at(k);
                     if shaded.present && shaded.opacity > 0 {
                         expected.push((shaded.opacity, shaded.colour));
                     }

@@ -1,17 +1,28 @@
-//! The same arithmetic for a row of samples at once.
+//! The same arithmetic for many samples at once.
 //!
 //! A row is any run of samples whose neighbours a function can give for each lane: the rays of a plane at one depth, or
-//! the depths of one ray. Arithmetic is in 32 bits where the words allow it, in 64 where they do not.
+//! the depths of one ray. It is shaded in blocks of [`BLOCK`] lanes, each from its neighbourhood to its colours before the next
+//! begins. Arithmetic is in 32 bits where the words allow it, in 64 where they do not.
+//!
+//! The loops over the lanes of a block are long on purpose, a whole stage each: a compiler makes vectors of a long loop, while short
+//! ones are unrolled first and seldom found again.
 
 use crate::golden;
 use crate::perspective::RayLanes;
 use cube3_host::{
     Classification, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientScale, LinearFactor, Normaliser,
-    Phong, ReflectanceTable, Shading,
+    Phong, PhongLight, ReflectanceTable, Shading,
 };
-use cube3_word::{Shift, Words, unit_full};
+use cube3_word::{BLOCK, Block, Shift, Words, block, put_block, unit_full, vectorised};
 
-pub use crate::perspective::LocalRows;
+pub use crate::perspective::LocalBlock;
+
+/// The samples of a block and their 26 neighbours, `[9 w + 3 v + u]`, each index 0 to 2: the samples themselves at
+/// [`HERE`].
+pub type Around = [Block<i32>; 27];
+
+/// The place of the samples themselves.
+pub const HERE: usize = 13;
 
 /// A row of shaded samples; see [`golden::Shaded`].
 #[derive(Clone, Debug, Default)]
@@ -28,6 +39,19 @@ pub struct ShadedRow {
     pub overflows: u64,
 }
 
+/// A block of shaded samples; see [`ShadedRow`].
+#[derive(Clone, Debug, Default)]
+pub struct ShadedBlock {
+    /// 1 where the sample takes part, 0 where not. Set before, cleared where a sample is outside of the threshold.
+    pub present: Block<u32>,
+    /// Opacity.
+    pub opacity: Block<u32>,
+    /// Red, green, blue; 0 where the opacity is.
+    pub colour: [Block<u32>; 3],
+    /// Saturated words.
+    pub overflows: u32,
+}
+
 /// The ABC unit's lanes for the registers of a frame.
 #[derive(Clone, Debug)]
 pub struct AbcLanes {
@@ -35,52 +59,77 @@ pub struct AbcLanes {
     table: ClassifyLanes,
     gradient: Option<GradientLanes>,
     normaliser: Option<Normaliser>,
-    shading: Option<Shading>,
+    shading: Option<ShadingLanes>,
     cue: Option<LinearFactor>,
     rays: Option<RayLanes>,
+    /// Which of the 27 neighbours are read.
+    reads: [bool; 27],
     skip: bool,
-    row: Scratch,
+    stages: Stages,
 }
 
-/// Rows between the stages.
-#[derive(Clone, Debug, Default)]
-struct Scratch {
-    gradient: [Vec<i32>; 3],
-    overflow: Vec<u32>,
-    block: [Vec<u32>; 3],
-    index: Vec<u32>,
-    reciprocal: Vec<u32>,
-    direction: [Vec<i32>; 3],
-    magnitude: Vec<u32>,
-    cosine: [Vec<i32>; 2],
-    power: Vec<u32>,
-    diffuse: [Vec<u32>; 3],
-    specular: [Vec<u32>; 3],
-    /// Towards the light in hand and halfway to it, by lane.
-    towards: [[Vec<i32>; 3]; 2],
-    class: Vec<u32>,
-    local: LocalRows,
+/// Light, ready for blocks.
+#[derive(Clone, Debug)]
+enum ShadingLanes {
+    Phong(PhongLanes),
+    Table(ReflectanceTable),
 }
 
-fn resize<T: Default + Clone>(rows: &mut [Vec<T>], n: usize) {
-    for row in rows {
-        row.resize(n, T::default());
+/// Blocks between the stages.
+#[derive(Clone, Debug)]
+struct Stages {
+    around: Around,
+    gradient: [Block<i32>; 3],
+    overflow: Block<u32>,
+    direction: [Block<i32>; 3],
+    magnitude: Block<u32>,
+    diffuse: [Block<u32>; 3],
+    specular: [Block<u32>; 3],
+    class: Block<u32>,
+    local: LocalBlock,
+    /// Towards the light in hand and halfway to it, in perspective.
+    towards: [[Block<i32>; 3]; 2],
+    /// The block that a row is shaded in.
+    out: ShadedBlock,
+}
+
+impl Stages {
+    fn new() -> Stages {
+        Stages {
+            around: [[0; BLOCK]; 27],
+            gradient: [[0; BLOCK]; 3],
+            overflow: [0; BLOCK],
+            direction: [[0; BLOCK]; 3],
+            magnitude: [0; BLOCK],
+            diffuse: [[0; BLOCK]; 3],
+            specular: [[0; BLOCK]; 3],
+            class: [0; BLOCK],
+            local: LocalBlock::default(),
+            towards: [[[0; BLOCK]; 3]; 2],
+            out: ShadedBlock::default(),
+        }
     }
 }
 
 impl AbcLanes {
-    /// Lanes for a frame. With `skip`, rows and ends of rows that are transparent are not shaded, which changes no bit.
+    /// Lanes for a frame. With `skip`, blocks that are transparent are not shaded, which changes no bit.
     pub fn new(setup: &FrameSetup, skip: bool) -> AbcLanes {
+        let rays = RayLanes::new(setup);
+        let shading = setup.shading.as_ref().map(|shading| match shading {
+            Shading::Phong(phong) => ShadingLanes::Phong(PhongLanes::new(phong, &setup.words)),
+            Shading::Table(table) => ShadingLanes::Table(table.clone()),
+        });
         AbcLanes {
             words: setup.words,
             table: ClassifyLanes::new(&setup.classification),
             gradient: setup.gradient.map(|registers| GradientLanes::new(registers, &setup.words)),
             normaliser: setup.normaliser.clone(),
-            shading: setup.shading.clone(),
+            shading,
             cue: setup.depth_cue,
-            rays: RayLanes::new(setup),
+            reads: neighbours(setup.gradient.map(|registers| registers.method), rays.is_some()),
+            rays,
             skip,
-            row: Scratch::default(),
+            stages: Stages::new(),
         }
     }
 
@@ -88,14 +137,22 @@ impl AbcLanes {
     /// shaded; in a parallel frame it does nothing.
     pub fn aim(&mut self, v: i64, us: std::ops::Range<i64>) {
         if let Some(rays) = &mut self.rays {
-            rays.aim(v, us, self.shading.as_ref(), self.normaliser.as_ref(), &self.words);
+            let phong = match &self.shading {
+                Some(ShadingLanes::Phong(phong)) => Some(&phong.registers),
+                _ => None,
+            };
+            rays.aim(v, us, phong, self.normaliser.as_ref(), &self.words);
         }
+    }
+
+    /// Which of the 27 neighbours of a sample are read, `[9 w + 3 v + u]`.
+    pub fn reads(&self) -> &[bool; 27] {
+        &self.reads
     }
 
     /// Shades `n` samples. `neighbour(w, v, u)` is a row of the neighbourhood, each index 0 to 2 and `neighbour(1, 1, 1)` the
     /// samples themselves, with `n` lanes at least; `at(lane)` is the lane's (u, v, k). `out.present` must have `n` entries. In perspective the rays must have been
     /// aimed at, their signs along u may change once, and the one along v not at all.
-    #[inline(always)]
     pub fn shade<'a>(
         &mut self,
         n: usize,
@@ -106,375 +163,492 @@ impl AbcLanes {
     ) {
         out.overflows = 0;
         out.opacity.resize(n, 0);
-        resize(&mut out.colour, n);
-        let two_dimensional = self.table.rows.is_some();
-        if two_dimensional {
-            self.gradient_stage(0, n, neighbour, at);
-            self.normal_stage(0, n);
+        out.colour.iter_mut().for_each(|colour| colour.resize(n, 0));
+        let mut shaded = std::mem::take(&mut self.stages.out);
+        let (mut first, mut end) = (n, 0);
+        for from in (0..n).step_by(BLOCK) {
+            let count = BLOCK.min(n - from);
+            let reads = self.reads;
+            let samples = neighbour(1, 1, 1);
+            for lane in 0..count {
+                shaded.present[lane] = out.present[from + lane].into();
+            }
+            shaded.present[count..].fill(0);
+            self.shade_block(
+                &block(&samples[..n], from),
+                #[inline(always)]
+                |around: &mut Around| {
+                    for (place, around) in around.iter_mut().enumerate() {
+                        if reads[place] {
+                            *around = block(&neighbour(place / 9, place / 3 % 3, place % 3)[..n], from);
+                        }
+                    }
+                },
+                count,
+                |lane| at(from + lane),
+                geometry,
+                &mut shaded,
+            );
+            for lane in 0..count {
+                out.present[from + lane] = shaded.present[lane] as u8;
+            }
+            put_block(&shaded.opacity, &mut out.opacity, from);
+            for (colour, shaded) in out.colour.iter_mut().zip(&shaded.colour) {
+                put_block(shaded, colour, from);
+            }
+            out.overflows += u64::from(shaded.overflows);
+            if let Some(lane) = shaded.opacity.iter().rposition(|&opacity| opacity != 0) {
+                end = from + lane + 1;
+                if first == n {
+                    first = from + shaded.opacity.iter().position(|&opacity| opacity != 0).unwrap_or(0);
+                }
+            }
         }
-        self.row.class.clear();
+        self.stages.out = shaded;
+        out.span = match (self.skip, first < n) {
+            (false, _) => (0, n),
+            (true, true) => (first, end),
+            (true, false) => (0, 0),
+        };
+    }
+
+    /// Shades a block of samples, whose first `count` lanes are there. `fill` writes the neighbours that are [read](AbcLanes::reads);
+    /// it is not called where they are not needed. `at(lane)` is the lane's (u, v, k); `out.present` is 0 for lanes that are not there.
+    #[inline]
+    pub fn shade_block(
+        &mut self,
+        samples: &Block<i32>,
+        fill: impl FnOnce(&mut Around),
+        count: usize,
+        at: impl Fn(usize) -> [i64; 3] + Copy,
+        geometry: &Geometry,
+        out: &mut ShadedBlock,
+    ) {
+        vectorised(
+            #[inline(always)]
+            || self.block(samples, fill, count, at, geometry, out),
+        );
+    }
+
+    #[inline(always)]
+    fn block(
+        &mut self,
+        samples: &Block<i32>,
+        fill: impl FnOnce(&mut Around),
+        count: usize,
+        at: impl Fn(usize) -> [i64; 3] + Copy,
+        geometry: &Geometry,
+        out: &mut ShadedBlock,
+    ) {
+        out.overflows = 0;
         if let Some(rays) = self.rays.as_ref().filter(|rays| rays.has_classes()) {
-            self.row.class.extend((0..n).map(|lane| rays.class(at(lane))));
-        }
-        let span = self.table.opacity(n, neighbour(1, 1, 1), &self.row.magnitude, &self.row.class, out);
-        out.span = if self.skip { span } else { (0, n) };
-        let (from, to) = out.span;
-        for colour in &mut out.colour {
-            colour[..from].fill(0);
-            colour[to..].fill(0);
-        }
-        if from >= to {
-            out.span = (0, 0);
-            return;
-        }
-        if !two_dimensional {
-            self.gradient_stage(from, to, neighbour, at);
-            self.normal_stage(from, to);
-        }
-        self.table.colour(from, to, neighbour(1, 1, 1), out);
-        match self.shading.take() {
-            Some(Shading::Phong(phong)) => {
-                phong_stage(&mut self.row, self.rays.as_ref(), &self.words, from, to, &phong, at);
-                self.light_stage(from, to, out);
-                self.shading = Some(Shading::Phong(phong));
+            for lane in 0..count {
+                self.stages.class[lane] = rays.class(at(lane));
             }
-            Some(Shading::Table(table)) => {
-                self.table_stage(from, to, &table);
-                self.light_stage(from, to, out);
-                self.shading = Some(Shading::Table(table));
-            }
-            None => {}
         }
+        if self.table.rows.is_some() {
+            fill(&mut self.stages.around);
+            self.gradient_stage(count, at);
+            self.normal_stage();
+            let Stages { magnitude, class, .. } = &self.stages;
+            self.table.block(samples, magnitude, class, out);
+            if self.skip && !any(&out.opacity) {
+                return clear(out);
+            }
+        } else {
+            let Stages { magnitude, class, .. } = &self.stages;
+            self.table.block(samples, magnitude, class, out);
+            if self.skip && !any(&out.opacity) {
+                return clear(out);
+            }
+            if self.gradient.is_some() {
+                fill(&mut self.stages.around);
+            }
+            self.gradient_stage(count, at);
+            self.normal_stage();
+        }
+        self.light_stage(count, at, out);
         if let Some(cue) = self.cue {
             let shift = self.words.rounding.by(LinearFactor::WORD_BITS);
-            for lane in from..to {
+            for lane in 0..count {
                 let factor = i64::from(LinearFactor::word(geometry.evaluate(&cue.factor, at(lane))));
                 for colour in &mut out.colour {
                     colour[lane] = shift.apply(i64::from(colour[lane]) * factor) as u32;
                 }
             }
         }
-        self.clear_transparent(from, to, out);
+        self.clear_transparent(out);
     }
 
     /// A transparent sample has no colour and counts no overflow.
     #[inline(always)]
-    fn clear_transparent(&self, from: usize, to: usize, out: &mut ShadedRow) {
-        let opacity = &out.opacity[from..to];
-        let n = opacity.len();
-        for colour in &mut out.colour {
-            let colour = &mut colour[from..to];
-            for i in 0..n {
-                colour[i] = if opacity[i] == 0 { 0 } else { colour[i] };
-            }
+    fn clear_transparent(&self, out: &mut ShadedBlock) {
+        let ShadedBlock { opacity, colour: [red, green, blue], overflows, .. } = out;
+        for i in 0..BLOCK {
+            let seen = opacity[i] != 0;
+            red[i] = if seen { red[i] } else { 0 };
+            green[i] = if seen { green[i] } else { 0 };
+            blue[i] = if seen { blue[i] } else { 0 };
         }
         if self.gradient.is_some() || self.shading.is_some() {
-            let overflow = &self.row.overflow[from..to];
-            let counted: u32 = (0..n).map(|i| if opacity[i] == 0 { 0 } else { overflow[i] }).sum();
-            out.overflows = u64::from(counted);
+            let overflow = &self.stages.overflow;
+            *overflows = (0..BLOCK).map(|i| if opacity[i] == 0 { 0 } else { overflow[i] }).sum();
         }
     }
 
     #[inline(always)]
-    fn gradient_stage<'a>(
-        &mut self,
-        from: usize,
-        to: usize,
-        neighbour: impl Fn(usize, usize, usize) -> &'a [i32] + Copy,
-        at: impl Fn(usize) -> [i64; 3] + Copy,
-    ) {
-        let row = &mut self.row;
-        row.overflow.resize(to.max(row.overflow.len()), 0);
-        row.overflow[from..to].fill(0);
+    fn gradient_stage(&mut self, count: usize, at: impl Fn(usize) -> [i64; 3] + Copy) {
+        let Stages { around, gradient: out, overflow, local, .. } = &mut self.stages;
+        *overflow = [0; BLOCK];
         let Some(gradient) = &self.gradient else {
             return;
         };
-        let most = to.max(row.gradient[0].len());
-        resize(&mut row.gradient, most);
-        let [u, v, w] = &mut row.gradient;
-        let Some(rays) = self.rays.as_ref().filter(|_| from < to) else {
-            let out = [&mut u[from..to], &mut v[from..to], &mut w[from..to]];
-            return gradient.run(from, neighbour, out, &mut row.overflow[from..to]);
+        let Some(rays) = &self.rays else {
+            return gradient.run(around, out, overflow);
         };
         // Where rays turn from running against u to running along it, the neighbourhood turns.
-        let mirrored = rays.mirrored(at(from));
-        let turn = (from..to).find(|&lane| rays.mirrored(at(lane))[0] != mirrored[0]).unwrap_or(to);
-        for (from, to) in [(from, turn), (turn, to)] {
-            if from < to {
-                let mirrored = rays.mirrored(at(from));
-                rays.local(from, to, at, &mut row.local);
-                let out = [&mut u[from..to], &mut v[from..to], &mut w[from..to]];
-                let turned = |i: usize, mirrored: bool| if mirrored { 2 - i } else { i };
-                let neighbour =
-                    |w: usize, v: usize, u: usize| neighbour(w, turned(v, mirrored[1]), turned(u, mirrored[0]));
-                gradient.run_local(from, neighbour, &row.local, mirrored, out, &mut row.overflow[from..to]);
+        let mirrored = rays.mirrored(at(0));
+        let turn = (0..count).find(|&lane| rays.mirrored(at(lane))[0] != mirrored[0]).unwrap_or(count);
+        for lanes in [0..turn, turn..count] {
+            if lanes.is_empty() {
+                continue;
+            }
+            let mirrored = rays.mirrored(at(lanes.start));
+            rays.local(lanes.clone(), at, local);
+            let turned = |i: usize, mirrored: bool| if mirrored { 2 - i } else { i };
+            let mut from = *around;
+            for (place, from) in from.iter_mut().enumerate() {
+                let [w, v, u] = [place / 9, turned(place / 3 % 3, mirrored[1]), turned(place % 3, mirrored[0])];
+                *from = around[9 * w + 3 * v + u];
+            }
+            let (mut part, mut saturated) = ([[0; BLOCK]; 3], [0; BLOCK]);
+            gradient.run_local(&from, local, mirrored, &mut part, &mut saturated);
+            for (out, part) in out.iter_mut().zip(&part) {
+                out[lanes.clone()].copy_from_slice(&part[lanes.clone()]);
+            }
+            overflow[lanes.clone()].copy_from_slice(&saturated[lanes]);
+        }
+    }
+
+    #[inline(always)]
+    fn normal_stage(&mut self) {
+        if let Some(table) = &self.normaliser {
+            let Stages { gradient, direction, magnitude, .. } = &mut self.stages;
+            normalise(gradient, table, &self.words, direction);
+            if self.table.rows.is_some() {
+                lengths(gradient, direction, &self.words, magnitude);
             }
         }
     }
 
     #[inline(always)]
-    fn normal_stage(&mut self, from: usize, to: usize) {
-        let Some(table) = &self.normaliser else {
-            return;
-        };
-        normalise(&mut self.row, table, &self.words, from, to, self.table.rows.is_some());
-    }
-
-    #[inline(always)]
-    fn table_stage(&mut self, from: usize, to: usize, table: &ReflectanceTable) {
-        let row = &mut self.row;
-        let most = to.max(row.diffuse[0].len());
-        resize(&mut row.diffuse, most);
-        resize(&mut row.specular, most);
-        for lane in from..to {
-            let gradient = [0, 1, 2].map(|i| row.gradient[i][lane]);
-            let light = golden::reflectance(gradient, table);
-            for i in 0..3 {
-                row.diffuse[i][lane] = light.diffuse[i];
-                row.specular[i][lane] = light.specular[i];
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn light_stage(&mut self, from: usize, to: usize, out: &mut ShadedRow) {
-        let (row, words) = (&mut self.row, &self.words);
-        let full = unit_full(words.colour_bits);
-        let shift = words.rounding.by(words.colour_bits);
-        // 8 lights of 15 and an ambient of 15 stay below 2^(colour_bits + 8).
-        let narrow = 2 * words.colour_bits + 8 <= 32;
-        let overflow = &mut row.overflow[from..to];
-        for i in 0..3 {
-            let colour = &mut out.colour[i][from..to];
-            let (diffuse, specular) = (&row.diffuse[i][from..to], &row.specular[i][from..to]);
-            let n = colour.len();
-            let (diffuse, specular, overflow) = (&diffuse[..n], &specular[..n], &mut overflow[..n]);
-            if narrow {
-                for lane in 0..n {
-                    let sum = ((colour[lane] * diffuse[lane] + shift.half as u32) >> shift.bits) + specular[lane];
-                    overflow[lane] += u32::from(sum > full);
-                    colour[lane] = sum.min(full);
-                }
-            } else {
-                for lane in 0..n {
-                    let product = u64::from(colour[lane]) * u64::from(diffuse[lane]);
-                    let sum = ((product + shift.half as u64) >> shift.bits) as u32 + specular[lane];
-                    overflow[lane] += u32::from(sum > full);
-                    colour[lane] = sum.min(full);
+    fn light_stage(&mut self, count: usize, at: impl Fn(usize) -> [i64; 3] + Copy, out: &mut ShadedBlock) {
+        let Stages { gradient, direction, diffuse, specular, overflow, towards, .. } = &mut self.stages;
+        match &self.shading {
+            Some(ShadingLanes::Phong(phong)) => {
+                phong.begin(diffuse, specular);
+                for (number, light) in phong.lights.iter().enumerate() {
+                    let light = match &self.rays {
+                        Some(rays) => {
+                            rays.towards(number, phong.registers.lights[number].direction, count, at, towards);
+                            &*towards
+                        }
+                        None => light,
+                    };
+                    phong.add(number, light, direction, diffuse, specular);
                 }
             }
+            Some(ShadingLanes::Table(table)) => {
+                for lane in 0..count {
+                    let light = golden::reflectance([0, 1, 2].map(|i| gradient[i][lane]), table);
+                    for i in 0..3 {
+                        diffuse[i][lane] = light.diffuse[i];
+                        specular[i][lane] = light.specular[i];
+                    }
+                }
+            }
+            None => return,
         }
+        lit(diffuse, specular, &self.words, &mut out.colour, overflow);
     }
 }
 
-/// Diffuse and specular light of the rows' normals.
+/// Whether any word is not 0.
 #[inline(always)]
-fn phong_stage(
-    row: &mut Scratch,
-    rays: Option<&RayLanes>,
-    words: &Words,
-    from: usize,
-    to: usize,
-    phong: &Phong,
-    at: impl Fn(usize) -> [i64; 3] + Copy,
-) {
-    let most = to.max(row.power.len());
-    resize(&mut row.cosine, most);
-    resize(&mut row.diffuse, most);
-    resize(&mut row.specular, most);
-    row.power.resize(most, 0);
-    for i in 0..3 {
-        row.diffuse[i][from..to].fill(phong.ambient);
-        row.specular[i][from..to].fill(0);
+fn any(words: &Block<u32>) -> bool {
+    words.iter().fold(0, |any, word| any | word) != 0
+}
+
+#[inline(always)]
+fn clear(out: &mut ShadedBlock) {
+    out.colour = [[0; BLOCK]; 3];
+}
+
+/// Whether a gradient method reads the neighbour at a displacement.
+pub(crate) fn reads(method: GradientMethod, by: [i64; 3]) -> bool {
+    let distance: i64 = by.iter().map(|x| x.abs()).sum();
+    match method {
+        GradientMethod::Six | GradientMethod::SixSheared => distance == 1,
+        GradientMethod::TwentySix | GradientMethod::TwentySixSheared => true,
+        GradientMethod::Ten | GradientMethod::TenNormalised => distance == 1 || (distance == 2 && by[2] != 0),
+        // Behind on the side of the eye's lower slopes, before on the other.
+        GradientMethod::Twelve => distance == 1 || (by[2] != 0 && by[0] * by[2] <= 0 && by[1] * by[2] <= 0),
     }
-    let narrow = words.colour_bits + 3 + words.normal_bits <= 31;
-    for (number, light) in phong.lights.iter().enumerate() {
-        if let Some(rays) = rays {
-            rays.towards(number, light.direction, from, to, at, &mut row.towards);
-            for (cosine, towards) in row.cosine.iter_mut().zip(&row.towards) {
-                let towards = |lane: usize| [towards[0][lane], towards[1][lane], towards[2][lane]];
-                dot(&row.direction, towards, phong.two_sided, words, from, &mut cosine[from..to]);
-            }
+}
+
+/// The neighbours that a frame reads; where rays may run either way, those of any of them.
+fn neighbours(method: Option<GradientMethod>, mirrored: bool) -> [bool; 27] {
+    let signs: &[i64] = if mirrored { &[1, -1] } else { &[1] };
+    let read = |place: usize| {
+        let [u, v, w] = [place % 3, place / 3 % 3, place / 9].map(|i| i as i64 - 1);
+        let any = |method| signs.iter().any(|su| signs.iter().any(|sv| reads(method, [su * u, sv * v, w])));
+        place == HERE || method.is_some_and(any)
+    };
+    std::array::from_fn(read)
+}
+
+/// Colours in the light: `min(round(colour · diffuse) + specular, 1)`, and how many words of each lane were saturated, added to what
+/// is there; see [`golden::lit`].
+#[inline(always)]
+fn lit(
+    diffuse: &[Block<u32>; 3],
+    specular: &[Block<u32>; 3],
+    words: &Words,
+    colour: &mut [Block<u32>; 3],
+    overflow: &mut Block<u32>,
+) {
+    // 8 lights of 15 and an ambient of 15 stay below 2^(colour_bits + 8).
+    if 2 * words.colour_bits + 8 <= 32 {
+        lit_in::<true>(diffuse, specular, words, colour, overflow);
+    } else {
+        lit_in::<false>(diffuse, specular, words, colour, overflow);
+    }
+}
+
+#[inline(always)]
+fn lit_in<const NARROW: bool>(
+    diffuse: &[Block<u32>; 3],
+    specular: &[Block<u32>; 3],
+    words: &Words,
+    [red, green, blue]: &mut [Block<u32>; 3],
+    overflow: &mut Block<u32>,
+) {
+    let full = unit_full(words.colour_bits);
+    let shift = words.rounding.by(words.colour_bits);
+    let one = |colour: u32, diffuse: u32, specular: u32| {
+        let reflected = if NARROW {
+            (colour * diffuse + shift.half as u32) >> shift.bits
         } else {
-            for (cosine, direction) in row.cosine.iter_mut().zip([light.direction, light.halfway]) {
-                dot(&row.direction, |_| direction, phong.two_sided, words, from, &mut cosine[from..to]);
-            }
+            ((u64::from(colour) * u64::from(diffuse) + shift.half as u64) >> shift.bits) as u32
+        };
+        reflected + specular
+    };
+    for i in 0..BLOCK {
+        let sums = [
+            one(red[i], diffuse[0][i], specular[0][i]),
+            one(green[i], diffuse[1][i], specular[1][i]),
+            one(blue[i], diffuse[2][i], specular[2][i]),
+        ];
+        overflow[i] += u32::from(sums[0] > full) + u32::from(sums[1] > full) + u32::from(sums[2] > full);
+        red[i] = sums[0].min(full);
+        green[i] = sums[1].min(full);
+        blue[i] = sums[2].min(full);
+    }
+}
+
+/// Phong's formula for the lights of a frame.
+#[derive(Clone, Debug)]
+struct PhongLanes {
+    registers: Phong,
+    words: Words,
+    /// The direction of each light, and halfway between it and the eye, for each lane of a block.
+    lights: Vec<[[Block<i32>; 3]; 2]>,
+    /// Whether products and sums stay in 32 bits.
+    narrow: bool,
+}
+
+impl PhongLanes {
+    fn new(phong: &Phong, words: &Words) -> PhongLanes {
+        let splat = |direction: [i32; 3]| direction.map(|component| [component; BLOCK]);
+        PhongLanes {
+            registers: phong.clone(),
+            words: *words,
+            lights: phong.lights.iter().map(|light| [splat(light.direction), splat(light.halfway)]).collect(),
+            narrow: words.colour_bits + 3 + words.normal_bits <= 31 && 2 * words.colour_bits + 4 <= 31,
         }
-        let [towards, half] = &row.cosine;
-        let (towards, half, power) = (&towards[from..to], &half[from..to], &mut row.power[from..to]);
-        look_up_power(half, towards, phong, words, power);
+    }
+
+    /// The light that comes from everywhere.
+    #[inline(always)]
+    fn begin(&self, diffuse: &mut [Block<u32>; 3], specular: &mut [Block<u32>; 3]) {
+        *diffuse = [[self.registers.ambient; BLOCK]; 3];
+        *specular = [[0; BLOCK]; 3];
+    }
+
+    /// Adds light `number`, which is `towards` each lane, and the highlight of what is halfway.
+    #[inline(always)]
+    fn add(
+        &self,
+        number: usize,
+        light: &[[Block<i32>; 3]; 2],
+        direction: &[Block<i32>; 3],
+        diffuse: &mut [Block<u32>; 3],
+        specular: &mut [Block<u32>; 3],
+    ) {
+        match (self.registers.two_sided, self.narrow) {
+            (false, true) => self.add_in::<false, true>(number, light, direction, diffuse, specular),
+            (false, false) => self.add_in::<false, false>(number, light, direction, diffuse, specular),
+            (true, true) => self.add_in::<true, true>(number, light, direction, diffuse, specular),
+            (true, false) => self.add_in::<true, false>(number, light, direction, diffuse, specular),
+        }
+    }
+
+    #[inline(always)]
+    fn add_in<const TWO_SIDED: bool, const NARROW: bool>(
+        &self,
+        number: usize,
+        [towards, halfway]: &[[Block<i32>; 3]; 2],
+        direction: &[Block<i32>; 3],
+        diffuse: &mut [Block<u32>; 3],
+        specular: &mut [Block<u32>; 3],
+    ) {
+        let PhongLanes { registers: phong, words, .. } = self;
+        let PhongLight { diffuse: by_diffuse, specular: by_specular, .. } = phong.lights[number];
+        let table = phong.power.as_slice();
+        let Some(last) = table.len().checked_sub(1) else {
+            return;
+        };
+        let one = 1_i32 << (words.normal_bits - 1);
         let by_cosine = words.rounding.by(words.normal_bits - 1);
+        let by_index = words.rounding.by(words.normal_bits - 1 - phong.power_bits);
         let by_power = words.rounding.by(words.colour_bits);
-        let wide_power = 2 * words.colour_bits + 4 > 31;
-        for i in 0..3 {
-            accumulate(towards, light.diffuse[i], by_cosine, narrow, &mut row.diffuse[i][from..to]);
-            accumulate(power, light.specular[i], by_power, !wide_power, &mut row.specular[i][from..to]);
+        let weigh = |x: u32, weight: u32, shift: Shift| {
+            if NARROW {
+                (x * weight + shift.half as u32) >> shift.bits
+            } else {
+                shift.apply(i64::from(x) * i64::from(weight)) as u32
+            }
+        };
+        let (towards, halfway, direction) = (*towards, *halfway, *direction);
+        let ([mut dr, mut dg, mut db], [mut sr, mut sg, mut sb]) = (*diffuse, *specular);
+        for i in 0..BLOCK {
+            // Three products of directions of at most 2^14 stay below 2^30.
+            let cosine = |to: &[Block<i32>; 3]| {
+                let dot = direction[0][i] * to[0][i] + direction[1][i] * to[1][i] + direction[2][i] * to[2][i];
+                by_cosine.apply32(if TWO_SIDED { dot.abs() } else { dot.max(0) }).min(one)
+            };
+            let (straight, half) = (cosine(&towards), cosine(&halfway));
+            let power = table[(by_index.apply32(half) as u32 as usize).min(last)];
+            let power = if TWO_SIDED || straight > 0 { power } else { 0 };
+            let straight = straight as u32;
+            dr[i] += weigh(straight, by_diffuse[0], by_cosine);
+            dg[i] += weigh(straight, by_diffuse[1], by_cosine);
+            db[i] += weigh(straight, by_diffuse[2], by_cosine);
+            sr[i] += weigh(power, by_specular[0], by_power);
+            sg[i] += weigh(power, by_specular[1], by_power);
+            sb[i] += weigh(power, by_specular[2], by_power);
         }
+        (*diffuse, *specular) = ([dr, dg, db], [sr, sg, sb]);
+    }
+}
+
+/// A row, block by block.
+fn blocks<const N: usize>(rows: &[Vec<i32>; N], mut each: impl FnMut(usize, [Block<i32>; N])) {
+    for from in (0..rows[0].len()).step_by(BLOCK) {
+        each(from, rows.each_ref().map(|row| block(row, from)));
     }
 }
 
 /// Light on a row of normals by Phong's formula, of a parallel frame: diffuse and specular, see [`golden::phong`].
 pub fn phong_rows(direction: [Vec<i32>; 3], phong: &Phong, words: &Words) -> [[Vec<u32>; 3]; 2] {
-    let n = direction[0].len();
-    let mut row = Scratch { direction, ..Scratch::default() };
-    phong_stage(&mut row, None, words, 0, n, phong, |_| [0; 3]);
-    [row.diffuse, row.specular]
+    let lanes = PhongLanes::new(phong, words);
+    let row = || vec![0; direction[0].len()];
+    let mut rows = [(); 2].map(|()| [row(), row(), row()]);
+    blocks(&direction, |from, direction| {
+        let (mut diffuse, mut specular) = ([[0; BLOCK]; 3], [[0; BLOCK]; 3]);
+        vectorised(
+            #[inline(always)]
+            || {
+                lanes.begin(&mut diffuse, &mut specular);
+                for (number, light) in lanes.lights.iter().enumerate() {
+                    lanes.add(number, light, &direction, &mut diffuse, &mut specular);
+                }
+            },
+        );
+        for (rows, words) in rows.iter_mut().zip([diffuse, specular]) {
+            rows.iter_mut().zip(&words).for_each(|(row, words)| put_block(words, row, from));
+        }
+    });
+    rows
 }
 
-/// `out += round(weight · x)`.
+/// Directions of a block of gradients; see [`golden::normalise`].
 #[inline(always)]
-fn accumulate<T: Copy + Into<i64> + AsWord>(x: &[T], weight: u32, shift: Shift, narrow: bool, out: &mut [u32]) {
-    let n = out.len();
-    let x = &x[..n];
-    if weight == 0 {
+fn normalise(gradient: &[Block<i32>; 3], table: &Normaliser, words: &Words, out: &mut [Block<i32>; 3]) {
+    let root = table.root.as_slice();
+    let Some(last) = root.len().checked_sub(1) else {
         return;
-    }
-    if narrow {
-        for lane in 0..n {
-            out[lane] += (x[lane].word() * weight + shift.half as u32) >> shift.bits;
-        }
-    } else {
-        for lane in 0..n {
-            out[lane] += shift.apply(x[lane].into() * i64::from(weight)) as u32;
-        }
-    }
-}
-
-/// A word that is not negative, as an unsigned one.
-trait AsWord {
-    fn word(self) -> u32;
-}
-
-impl AsWord for i32 {
-    #[inline(always)]
-    fn word(self) -> u32 {
-        self as u32
-    }
-}
-
-impl AsWord for u32 {
-    #[inline(always)]
-    fn word(self) -> u32 {
-        self
-    }
-}
-
-/// The cosine between directions and a light, which may be another one for each lane, counted from `from`.
-#[inline(always)]
-fn dot(
-    direction: &[Vec<i32>; 3],
-    light: impl Fn(usize) -> [i32; 3],
-    two_sided: bool,
-    words: &Words,
-    from: usize,
-    out: &mut [i32],
-) {
-    let n = out.len();
-    let [u, v, w] = direction;
-    let (u, v, w) = (&u[from..][..n], &v[from..][..n], &w[from..][..n]);
-    let one = 1_i32 << (words.normal_bits - 1);
-    // Three products of directions of at most 2^14 stay below 2^30.
-    let shift = words.rounding.by(words.normal_bits - 1);
-    if two_sided {
-        for lane in 0..n {
-            let light = light(lane);
-            let dot = u[lane] * light[0] + v[lane] * light[1] + w[lane] * light[2];
-            out[lane] = shift.apply32(dot.abs()).min(one);
-        }
-    } else {
-        for lane in 0..n {
-            let light = light(lane);
-            let dot = u[lane] * light[0] + v[lane] * light[1] + w[lane] * light[2];
-            out[lane] = shift.apply32(dot.max(0)).min(one);
-        }
-    }
-}
-
-#[inline(always)]
-fn look_up_power(half: &[i32], towards: &[i32], phong: &Phong, words: &Words, out: &mut [u32]) {
-    let n = out.len();
-    let (half, towards) = (&half[..n], &towards[..n]);
-    let shift = words.rounding.by(words.normal_bits - 1 - phong.power_bits);
-    let table = &phong.power[..(1 << phong.power_bits) + 1];
-    let last = table.len() - 1;
-    if phong.two_sided {
-        for lane in 0..n {
-            out[lane] = table[(shift.apply32(half[lane]) as usize).min(last)];
-        }
-    } else {
-        for lane in 0..n {
-            let power = table[(shift.apply32(half[lane]) as usize).min(last)];
-            out[lane] = if towards[lane] > 0 { power } else { 0 };
-        }
-    }
-}
-
-#[inline(always)]
-fn normalise(row: &mut Scratch, table: &Normaliser, words: &Words, from: usize, to: usize, magnitude: bool) {
-    let most = to.max(row.index.len());
-    resize(&mut row.block, most);
-    resize(&mut row.direction, most);
-    row.index.resize(most, 0);
-    row.reciprocal.resize(most, 0);
-    row.magnitude.resize(most, 0);
-    let n = to - from;
+    };
     let bits = words.normal_bits;
-    let Scratch {
-        gradient: [gu, gv, gw],
-        block: [bu, bv, bw],
-        index,
-        reciprocal,
-        direction: [du, dv, dw],
-        magnitude: length,
-        ..
-    } = row;
-    let (gu, gv, gw) = (&gu[from..to], &gv[from..to], &gw[from..to]);
-    let (bu, bv, bw) = (&mut bu[from..to], &mut bv[from..to], &mut bw[from..to]);
-    let (index, reciprocal) = (&mut index[from..to], &mut reciprocal[from..to]);
     let into = 2 * bits - 2 - table.root_bits;
     let first = 1_u32 << table.root_bits;
-    for lane in 0..n {
-        let sizes = [gu[lane].unsigned_abs(), gv[lane].unsigned_abs(), gw[lane].unsigned_abs()];
-        let zeros = (sizes[0] | sizes[1] | sizes[2] | 1).leading_zeros();
-        let block = [sizes[0] << zeros, sizes[1] << zeros, sizes[2] << zeros];
-        let block = [block[0] >> (32 - bits), block[1] >> (32 - bits), block[2] >> (32 - bits)];
-        let square = block[0] * block[0] + block[1] * block[1] + block[2] * block[2];
-        bu[lane] = block[0];
-        bv[lane] = block[1];
-        bw[lane] = block[2];
-        index[lane] = (square >> into).max(first) - first;
-    }
-    let root = table.root.as_slice();
-    for lane in 0..n {
-        reciprocal[lane] = root[index[lane] as usize];
-    }
     let one = 1_u32 << (bits - 1);
     let half = 1_u32 << (bits - 1);
-    for (block, gradient, out) in
-        [(&*bu, gu, &mut du[from..to]), (&*bv, gv, &mut dv[from..to]), (&*bw, gw, &mut dw[from..to])]
-    {
-        for lane in 0..n {
-            let size = ((block[lane] * reciprocal[lane] + half) >> bits).min(one) as i32;
-            out[lane] = if gradient[lane] < 0 { -size } else { size };
-        }
+    let [out_u, out_v, out_w] = out;
+    for i in 0..BLOCK {
+        let words = [gradient[0][i], gradient[1][i], gradient[2][i]];
+        let (block, _) = floated(words, bits);
+        let square = block[0] * block[0] + block[1] * block[1] + block[2] * block[2];
+        let index = (square >> into).max(first) - first;
+        let reciprocal = root[(index as usize).min(last)];
+        let component = |axis: usize| {
+            let size = ((block[axis] * reciprocal + half) >> bits).min(one) as i32;
+            if words[axis] < 0 { -size } else { size }
+        };
+        out_u[i] = component(0);
+        out_v[i] = component(1);
+        out_w[i] = component(2);
     }
-    if magnitude {
-        for lane in 0..n {
-            let sizes = gu[lane].unsigned_abs() | gv[lane].unsigned_abs() | gw[lane].unsigned_abs();
-            let sum = u64::from(bu[lane]) * u64::from(du[from + lane].unsigned_abs())
-                + u64::from(bv[lane]) * u64::from(dv[from + lane].unsigned_abs())
-                + u64::from(bw[lane]) * u64::from(dw[from + lane].unsigned_abs());
-            length[from + lane] = golden::magnitude(sum, (sizes | 1).leading_zeros(), bits);
-        }
+}
+
+/// The leading bits of the components' sizes, with the largest's first at the top, and by how much they were moved.
+#[inline(always)]
+fn floated(gradient: [i32; 3], bits: u32) -> ([u32; 3], u32) {
+    let sizes = [gradient[0].unsigned_abs(), gradient[1].unsigned_abs(), gradient[2].unsigned_abs()];
+    let zeros = (sizes[0] | sizes[1] | sizes[2] | 1).leading_zeros();
+    let drop = 32 - bits;
+    ([sizes[0] << zeros >> drop, sizes[1] << zeros >> drop, sizes[2] << zeros >> drop], zeros)
+}
+
+/// Magnitudes of a block of gradients with their directions; see [`golden::normalise`].
+#[inline(always)]
+fn lengths(gradient: &[Block<i32>; 3], direction: &[Block<i32>; 3], words: &Words, out: &mut Block<u32>) {
+    let bits = words.normal_bits;
+    for i in 0..BLOCK {
+        let (block, zeros) = floated([gradient[0][i], gradient[1][i], gradient[2][i]], bits);
+        let product = |axis: usize| u64::from(block[axis]) * u64::from(direction[axis][i].unsigned_abs());
+        out[i] = golden::magnitude(product(0) + product(1) + product(2), zeros, bits);
     }
 }
 
 /// Directions and magnitudes of a row of gradients; see [`golden::normalise`].
 pub fn normalise_rows(gradient: [Vec<i32>; 3], table: &Normaliser, words: &Words) -> ([Vec<i32>; 3], Vec<u32>) {
     let n = gradient[0].len();
-    let mut row = Scratch { gradient, ..Scratch::default() };
-    normalise(&mut row, table, words, 0, n, true);
-    (row.direction, row.magnitude)
+    let mut rows = [(); 3].map(|()| vec![0; n]);
+    let mut magnitudes = vec![0; n];
+    blocks(&gradient, |from, gradient| {
+        let (mut direction, mut magnitude) = ([[0; BLOCK]; 3], [0; BLOCK]);
+        vectorised(
+            #[inline(always)]
+            || {
+                normalise(&gradient, table, words, &mut direction);
+                lengths(&gradient, &direction, words, &mut magnitude);
+            },
+        );
+        rows.iter_mut().zip(&direction).for_each(|(row, words)| put_block(words, row, from));
+        put_block(&magnitude, &mut magnitudes, from);
+    });
+    (rows, magnitudes)
 }
 
 /// The classification tables, a word for opacity and colour together.
@@ -488,7 +662,6 @@ pub struct ClassifyLanes {
     shift: u32,
     threshold: [u32; 2],
     rows: Option<(u32, u32)>,
-    all: bool,
 }
 
 impl ClassifyLanes {
@@ -506,7 +679,6 @@ impl ClassifyLanes {
                     | u64::from(colour[2]) << 48
             })
             .collect();
-        let last = (table.colour.len() as u32).wrapping_shl(table.index_shift).wrapping_sub(1);
         ClassifyLanes {
             packed,
             width: table.colour.len(),
@@ -514,76 +686,46 @@ impl ClassifyLanes {
             shift: table.index_shift,
             threshold: table.threshold,
             rows: table.gradient_rows.map(|rows| (rows.shift, rows.rows - 1)),
-            all: table.threshold[0] == 0 && table.threshold[1] >= last,
         }
     }
 
-    /// Opacities of all lanes, and the span in which they are not 0. `magnitude` is read where the opacity depends on it; `class` may be
-    /// empty where there is one class.
+    /// Opacity and colour of a block; the colour is to be cleared where the opacity is 0. `magnitude` is read where the opacity depends
+    /// on it; `class` is 0 where there is one class.
     #[inline(always)]
-    pub fn opacity(
+    pub fn block(
         &self,
-        n: usize,
-        samples: &[i32],
-        magnitude: &[u32],
-        class: &[u32],
-        out: &mut ShadedRow,
-    ) -> (usize, usize) {
-        let width = self.width;
-        let packed = self.packed.as_slice();
-        let (opacity, samples) = (&mut out.opacity[..n], &samples[..n]);
-        match self.rows {
-            None if class.is_empty() => {
-                for lane in 0..n {
-                    opacity[lane] = packed[((samples[lane] as u32) >> self.shift) as usize] as u32 & 0xffff;
-                }
-            }
-            None => {
-                let class = &class[..n];
-                for lane in 0..n {
-                    let place = class[lane] as usize * width + ((samples[lane] as u32) >> self.shift) as usize;
-                    opacity[lane] = packed[place] as u32 & 0xffff;
-                }
-            }
-            Some((shift, last)) => {
-                for lane in 0..n {
-                    let class = class.get(lane).map_or(0, |&class| class * (last + 1));
-                    let row = (class + (magnitude[lane] >> shift).min(last)) as usize;
-                    opacity[lane] = self.opacity[row * width + ((samples[lane] as u32) >> self.shift) as usize];
-                }
+        samples: &Block<i32>,
+        magnitude: &Block<u32>,
+        class: &Block<u32>,
+        out: &mut ShadedBlock,
+    ) {
+        let ClassifyLanes { packed, width, opacity: opacities, shift, .. } = self;
+        let (width, shift) = (*width as u32, *shift);
+        let Some(last) = packed.len().checked_sub(1) else {
+            return;
+        };
+        let ShadedBlock { present, opacity, colour: [red, green, blue], .. } = out;
+        for i in 0..BLOCK {
+            let place = class[i] * width + ((samples[i] as u32) >> shift);
+            let entry = packed[(place as usize).min(last)];
+            opacity[i] = entry as u32 & 0xffff;
+            red[i] = (entry >> 16) as u32 & 0xffff;
+            green[i] = (entry >> 32) as u32 & 0xffff;
+            blue[i] = (entry >> 48) as u32;
+        }
+        if let (Some((drop, top)), Some(last)) = (self.rows, opacities.len().checked_sub(1)) {
+            for i in 0..BLOCK {
+                let row = class[i] * (top + 1) + (magnitude[i] >> drop).min(top);
+                let place = row * width + ((samples[i] as u32) >> shift);
+                opacity[i] = opacities[(place as usize).min(last)];
             }
         }
-        let present = &mut out.present[..n];
-        for lane in 0..n {
-            if present[lane] == 0 {
-                opacity[lane] = 0;
-            }
-        }
-        if !self.all {
-            for lane in 0..n {
-                let word = samples[lane] as u32;
-                if word < self.threshold[0] || word > self.threshold[1] {
-                    present[lane] = 0;
-                    opacity[lane] = 0;
-                }
-            }
-        }
-        let from = opacity.iter().position(|&a| a != 0).unwrap_or(n);
-        let to = opacity.iter().rposition(|&a| a != 0).map_or(from, |last| last + 1);
-        (from, to)
-    }
-
-    /// Colours of lanes `from` to `to`.
-    #[inline(always)]
-    pub fn colour(&self, from: usize, to: usize, samples: &[i32], out: &mut ShadedRow) {
-        let (packed, samples) = (self.packed.as_slice(), &samples[from..to]);
-        let [red, green, blue] = &mut out.colour;
-        let (red, green, blue) = (&mut red[from..to], &mut green[from..to], &mut blue[from..to]);
-        for lane in 0..to - from {
-            let entry = packed[((samples[lane] as u32) >> self.shift) as usize];
-            red[lane] = (entry >> 16) as u32 & 0xffff;
-            green[lane] = (entry >> 32) as u32 & 0xffff;
-            blue[lane] = (entry >> 48) as u32;
+        let [low, high] = self.threshold;
+        for i in 0..BLOCK {
+            let word = samples[i] as u32;
+            let takes_part = present[i] != 0 && word >= low && word <= high;
+            present[i] = u32::from(takes_part);
+            opacity[i] = if takes_part { opacity[i] } else { 0 };
         }
     }
 }
@@ -601,6 +743,16 @@ pub struct GradientLanes {
     top: i32,
     narrow: bool,
 }
+
+/// The place of a neighbour.
+const fn place(w: usize, v: usize, u: usize) -> usize {
+    9 * w + 3 * v + u
+}
+
+/// The four samples behind a sample that a gradient of 12 neighbours takes: along w, and also along u, along v, along both.
+const BEHIND: [usize; 4] = [place(2, 1, 1), place(2, 1, 0), place(2, 0, 1), place(2, 0, 0)];
+/// Those before it.
+const BEFORE: [usize; 4] = [place(0, 1, 1), place(0, 1, 2), place(0, 2, 1), place(0, 2, 2)];
 
 impl GradientLanes {
     /// Lanes for the registers of a frame.
@@ -625,242 +777,184 @@ impl GradientLanes {
         }
     }
 
-    /// Gradients of a parallel frame, and in `overflow` how many words of each lane were saturated, added to what is there. Lane 0 is
-    /// lane `from` of each row of the neighbourhood; see [`golden::gradient`].
+    /// Gradients of a block of a parallel frame, and in `overflow` how many words of each lane were saturated, added to what is there;
+    /// see [`golden::gradient`].
     #[inline(always)]
-    pub fn run<'a>(
-        &self,
-        from: usize,
-        neighbour: impl Fn(usize, usize, usize) -> &'a [i32] + Copy,
-        out: [&mut [i32]; 3],
-        overflow: &mut [u32],
-    ) {
-        let n = overflow.len();
-        // Written out, as what is not inlined is not vectorised.
-        let row = |w: usize, v: usize, u: usize| &neighbour(w, v, u)[from..from + n];
-        let side = |w: usize, v: usize| [row(w, v, 0), row(w, v, 1), row(w, v, 2)];
-        let slice = |w: usize| [side(w, 0), side(w, 1), side(w, 2)];
-        let rows: Rows = [slice(0), slice(1), slice(2)];
-        let [out_u, out_v, out_w] = out;
+    pub fn run(&self, around: &Around, out: &mut [Block<i32>; 3], overflow: &mut Block<u32>) {
         if self.narrow {
-            self.differences::<false>(&rows, out_u, out_v, out_w);
-            self.hold::<false>([out_u, out_v, out_w], overflow);
+            self.parallel::<false>(around, out, overflow);
         } else {
-            self.differences::<true>(&rows, out_u, out_v, out_w);
-            self.hold::<true>([out_u, out_v, out_w], overflow);
+            self.parallel::<true>(around, out, overflow);
         }
     }
 
-    /// Differences along u, v and w; see [`golden::gradient`].
     #[inline(always)]
-    fn differences<const WIDE: bool>(&self, rows: &Rows, u: &mut [i32], v: &mut [i32], w: &mut [i32]) {
+    fn parallel<const WIDE: bool>(&self, around: &Around, out: &mut [Block<i32>; 3], overflow: &mut Block<u32>) {
         let [du, dv] = self.weights;
-        let n = u.len();
-        let (v, w) = (&mut v[..n], &mut w[..n]);
         match self.method {
-            GradientMethod::Six | GradientMethod::SixSheared | GradientMethod::Twelve => {
-                subtract(rows[1][1][2], rows[1][1][0], u);
-                subtract(rows[1][2][1], rows[1][0][1], v);
-                if self.method == GradientMethod::Twelve {
-                    let behind = [rows[2][1][1], rows[2][1][0], rows[2][0][1], rows[2][0][0]].map(|row| &row[..n]);
-                    let before = [rows[0][1][1], rows[0][1][2], rows[0][2][1], rows[0][2][2]].map(|row| &row[..n]);
-                    for i in 0..n {
-                        let far = bilinear::<WIDE>(
-                            [behind[0][i], behind[1][i], behind[2][i], behind[3][i]],
-                            du,
-                            dv,
-                            self.lerp,
-                        );
-                        let near = bilinear::<WIDE>(
-                            [before[0][i], before[1][i], before[2][i], before[3][i]],
-                            du,
-                            dv,
-                            self.lerp,
-                        );
-                        w[i] = far - near;
-                    }
-                } else {
-                    subtract(rows[2][1][1], rows[0][1][1], w);
+            GradientMethod::Six | GradientMethod::SixSheared => central(around, out),
+            GradientMethod::TwentySix | GradientMethod::TwentySixSheared => weighted(around, out),
+            GradientMethod::Ten | GradientMethod::TenNormalised => feet::<WIDE>(around, [du, dv], self.lerp, out),
+            GradientMethod::Twelve => {
+                let [u, v, w] = out;
+                for i in 0..BLOCK {
+                    u[i] = around[place(1, 1, 2)][i] - around[place(1, 1, 0)][i];
+                    v[i] = around[place(1, 2, 1)][i] - around[place(1, 0, 1)][i];
+                    let far = bilinear::<WIDE>(corners(around, BEHIND, i), du, dv, self.lerp);
+                    let near = bilinear::<WIDE>(corners(around, BEFORE, i), du, dv, self.lerp);
+                    w[i] = far - near;
                 }
-            }
-            GradientMethod::TwentySix | GradientMethod::TwentySixSheared => {
-                weighted(|a, b| [rows[a][b][2], rows[a][b][0]], u);
-                weighted(|a, b| [rows[a][2][b], rows[a][0][b]], v);
-                weighted(|a, b| [rows[2][a][b], rows[0][a][b]], w);
-            }
-            GradientMethod::Ten | GradientMethod::TenNormalised => {
-                let [right, left] = [[rows[1][1][2], rows[0][1][2]], [rows[1][1][0], rows[2][1][0]]];
-                feet::<WIDE>(right, left, du, self.lerp, u);
-                let [below, above] = [[rows[1][2][1], rows[0][2][1]], [rows[1][0][1], rows[2][0][1]]];
-                feet::<WIDE>(below, above, dv, self.lerp, v);
-                subtract(rows[2][1][1], rows[0][1][1], w);
             }
         }
         if matches!(self.method, GradientMethod::SixSheared | GradientMethod::TwentySixSheared) {
-            for i in 0..n {
-                let along = if WIDE {
-                    self.lerp.apply(i64::from(u[i]) * i64::from(du) + i64::from(v[i]) * i64::from(dv)) as i32
-                } else {
-                    self.lerp.apply32(u[i] * du + v[i] * dv)
-                };
-                w[i] -= along;
+            let [u, v, w] = out;
+            for i in 0..BLOCK {
+                w[i] -= self.along::<WIDE>([u[i], v[i]], [du, dv]);
             }
         }
+        if let Some(factors) = self.factors {
+            self.scale::<WIDE>(&factors.map(|factor| [factor as i32; BLOCK]), out);
+        }
+        self.drop_low_bits(out, overflow);
     }
 
-    /// The gradient with weights and factors for each lane; see [`golden::local_gradient`]. `neighbour` gives the neighbourhood as it
-    /// is `mirrored`.
+    /// The same for a block of a perspective frame, each lane with weights and factors of its own. All of the block's rays run against or
+    /// along u, and against or along v, as `mirrored` says; the neighbourhood is already in the mirror.
     #[inline(always)]
-    pub fn run_local<'a>(
+    pub fn run_local(
         &self,
-        from: usize,
-        neighbour: impl Fn(usize, usize, usize) -> &'a [i32] + Copy,
-        local: &LocalRows,
+        around: &Around,
+        local: &LocalBlock,
         mirrored: [bool; 2],
-        out: [&mut [i32]; 3],
-        overflow: &mut [u32],
+        out: &mut [Block<i32>; 3],
+        overflow: &mut Block<u32>,
     ) {
-        let n = overflow.len();
-        let rows: Rows = [0, 1, 2].map(|w| [0, 1, 2].map(|v| [0, 1, 2].map(|u| &neighbour(w, v, u)[from..from + n])));
         if self.narrow {
-            self.local::<false>(&rows, local, mirrored, out, overflow);
+            self.local::<false>(around, local, mirrored, out, overflow);
         } else {
-            self.local::<true>(&rows, local, mirrored, out, overflow);
+            self.local::<true>(around, local, mirrored, out, overflow);
         }
     }
 
     #[inline(always)]
     fn local<const WIDE: bool>(
         &self,
-        rows: &Rows,
-        local: &LocalRows,
+        around: &Around,
+        local: &LocalBlock,
         mirrored: [bool; 2],
-        [u, v, w]: [&mut [i32]; 3],
-        overflow: &mut [u32],
+        out: &mut [Block<i32>; 3],
+        overflow: &mut Block<u32>,
     ) {
-        let n = overflow.len();
-        let (u, v, w) = (&mut u[..n], &mut v[..n], &mut w[..n]);
-        let weighs = matches!(self.method, GradientMethod::TwentySix | GradientMethod::TwentySixSheared);
-        if weighs {
-            weighted(|a, b| [rows[a][b][2], rows[a][b][0]], u);
-            weighted(|a, b| [rows[a][2][b], rows[a][0][b]], v);
-            weighted(|a, b| [rows[2][a][b], rows[0][a][b]], w);
+        if matches!(self.method, GradientMethod::TwentySix | GradientMethod::TwentySixSheared) {
+            weighted(around, out);
         } else {
-            subtract(rows[1][1][2], rows[1][1][0], u);
-            subtract(rows[1][2][1], rows[1][0][1], v);
-            if self.method == GradientMethod::Twelve {
-                let slice = |w: usize, v: usize, u: usize| {
-                    [rows[w][1][1], rows[w][1][u], rows[w][v][1], rows[w][v][u]].map(|row| &row[..n])
-                };
-                let (behind, before) = (slice(2, 0, 0), slice(0, 2, 2));
-                let [behind_u, behind_v] = local.behind.each_ref().map(|weights| &weights[..n]);
-                let [before_u, before_v] = local.before.each_ref().map(|weights| &weights[..n]);
-                for i in 0..n {
-                    let far = bilinear::<WIDE>(behind.map(|row| row[i]), behind_u[i], behind_v[i], self.lerp);
-                    let near = bilinear::<WIDE>(before.map(|row| row[i]), before_u[i], before_v[i], self.lerp);
-                    w[i] = far - near;
-                }
-            } else {
-                subtract(rows[2][1][1], rows[0][1][1], w);
+            central(around, out);
+        }
+        let [u, v, w] = &mut *out;
+        if self.method == GradientMethod::Twelve {
+            let LocalBlock { behind: [behind_u, behind_v], before: [before_u, before_v], .. } = local;
+            for i in 0..BLOCK {
+                let far = bilinear::<WIDE>(corners(around, BEHIND, i), behind_u[i], behind_v[i], self.lerp);
+                let near = bilinear::<WIDE>(corners(around, BEFORE, i), before_u[i], before_v[i], self.lerp);
+                w[i] = far - near;
             }
         }
         if let Some(nearness) = &local.nearness {
-            for (word, &near) in w.iter_mut().zip(nearness) {
-                *word = self.whole.apply(i64::from(*word) * i64::from(near)) as i32;
+            for i in 0..BLOCK {
+                w[i] = self.whole.apply(i64::from(w[i]) * i64::from(nearness[i])) as i32;
             }
         }
         if matches!(self.method, GradientMethod::SixSheared | GradientMethod::TwentySixSheared) {
-            let [du, dv] = local.here.each_ref().map(|weights| &weights[..n]);
-            for i in 0..n {
-                let along = if WIDE {
-                    self.lerp.apply(i64::from(u[i]) * i64::from(du[i]) + i64::from(v[i]) * i64::from(dv[i])) as i32
-                } else {
-                    self.lerp.apply32(u[i] * du[i] + v[i] * dv[i])
-                };
-                w[i] -= along;
+            let [here_u, here_v] = &local.here;
+            for i in 0..BLOCK {
+                w[i] -= self.along::<WIDE>([u[i], v[i]], [here_u[i], here_v[i]]);
             }
         }
-        for (component, mirrored) in [&mut *u, &mut *v].into_iter().zip(mirrored) {
+        for (component, mirrored) in [u, v].into_iter().zip(mirrored) {
             if mirrored {
                 component.iter_mut().for_each(|word| *word = -*word);
             }
         }
-        for (component, factors) in [&mut *u, &mut *v, &mut *w].into_iter().zip(&local.factors) {
-            let factors = &factors[..n];
-            for i in 0..n {
-                component[i] = mul::<WIDE>(component[i], factors[i], self.scaling);
-            }
-        }
-        self.drop_low_bits([u, v, w], overflow);
+        self.scale::<WIDE>(&local.factors, out);
+        self.drop_low_bits(out, overflow);
     }
 
-    /// Scales differences, drops their low bits, and holds them to the gradient's word.
+    /// The part of differences along u and v that is one along the ray.
     #[inline(always)]
-    fn hold<const WIDE: bool>(&self, mut components: [&mut [i32]; 3], overflow: &mut [u32]) {
-        let n = overflow.len();
-        for (i, component) in components.iter_mut().enumerate() {
-            let component = &mut component[..n];
-            if let Some(factors) = self.factors {
-                let factor = factors[i] as i32;
-                for word in component.iter_mut() {
-                    *word = mul::<WIDE>(*word, factor, self.scaling);
-                }
-            }
+    fn along<const WIDE: bool>(&self, differences: [i32; 2], weights: [i32; 2]) -> i32 {
+        if WIDE {
+            let product = |i: usize| i64::from(differences[i]) * i64::from(weights[i]);
+            self.lerp.apply(product(0) + product(1)) as i32
+        } else {
+            self.lerp.apply32(differences[0] * weights[0] + differences[1] * weights[1])
         }
-        self.drop_low_bits(components, overflow);
     }
 
     #[inline(always)]
-    fn drop_low_bits(&self, components: [&mut [i32]; 3], overflow: &mut [u32]) {
-        let n = overflow.len();
-        for component in components {
-            let component = &mut component[..n];
-            for lane in 0..n {
-                let dropped = self.drop.apply32(component[lane]);
-                let held = dropped.clamp(-self.top - 1, self.top);
-                overflow[lane] += u32::from(held != dropped);
-                component[lane] = held;
-            }
+    fn scale<const WIDE: bool>(&self, factors: &[Block<i32>; 3], [u, v, w]: &mut [Block<i32>; 3]) {
+        for i in 0..BLOCK {
+            u[i] = mul::<WIDE>(u[i], factors[0][i], self.scaling);
+            v[i] = mul::<WIDE>(v[i], factors[1][i], self.scaling);
+            w[i] = mul::<WIDE>(w[i], factors[2][i], self.scaling);
+        }
+    }
+
+    /// Drops the low bits of scaled differences, and holds them to the gradient's word.
+    #[inline(always)]
+    fn drop_low_bits(&self, [u, v, w]: &mut [Block<i32>; 3], overflow: &mut Block<u32>) {
+        let GradientLanes { drop, top, .. } = *self;
+        for i in 0..BLOCK {
+            let dropped = [drop.apply32(u[i]), drop.apply32(v[i]), drop.apply32(w[i])];
+            u[i] = dropped[0].clamp(-top - 1, top);
+            v[i] = dropped[1].clamp(-top - 1, top);
+            w[i] = dropped[2].clamp(-top - 1, top);
+            overflow[i] +=
+                u32::from(u[i] != dropped[0]) + u32::from(v[i] != dropped[1]) + u32::from(w[i] != dropped[2]);
         }
     }
 }
 
-/// Rows of the neighbourhood, `[w][v][u]`, all of one length.
-type Rows<'a> = [[[&'a [i32]; 3]; 3]; 3];
-
 #[inline(always)]
-fn subtract(far: &[i32], near: &[i32], out: &mut [i32]) {
-    let n = out.len();
-    let (far, near) = (&far[..n], &near[..n]);
-    for i in 0..n {
-        out[i] = far[i] - near[i];
+fn corners(around: &Around, places: [usize; 4], i: usize) -> [i32; 4] {
+    [around[places[0]][i], around[places[1]][i], around[places[2]][i], around[places[3]][i]]
+}
+
+/// Central differences.
+#[inline(always)]
+fn central(around: &Around, [u, v, w]: &mut [Block<i32>; 3]) {
+    for i in 0..BLOCK {
+        u[i] = around[place(1, 1, 2)][i] - around[place(1, 1, 0)][i];
+        v[i] = around[place(1, 2, 1)][i] - around[place(1, 0, 1)][i];
+        w[i] = around[place(2, 1, 1)][i] - around[place(0, 1, 1)][i];
     }
 }
 
-/// Differences of nine pairs of rows with weights 1, 2, 1 both ways.
+/// Sums of nine differences along each axis, with weights 1, 2, 1 both ways across it.
 #[inline(always)]
-fn weighted<'a>(pair: impl Fn(usize, usize) -> [&'a [i32]; 2], out: &mut [i32]) {
-    let n = out.len();
-    out.fill(0);
-    for (a, first) in [1, 2, 1].into_iter().enumerate() {
-        for (b, second) in [1, 2, 1].into_iter().enumerate() {
-            let weight = first * second;
-            let [far, near] = pair(a, b);
-            let (far, near) = (&far[..n], &near[..n]);
-            for i in 0..n {
-                out[i] += weight * (far[i] - near[i]);
-            }
-        }
+fn weighted(around: &Around, [u, v, w]: &mut [Block<i32>; 3]) {
+    for i in 0..BLOCK {
+        let sum = |pair: fn(usize, usize) -> [usize; 2]| {
+            let difference = |a: usize, b: usize| {
+                let [far, near] = pair(a, b);
+                around[far][i] - around[near][i]
+            };
+            let across = |a: usize| difference(a, 0) + 2 * difference(a, 1) + difference(a, 2);
+            across(0) + 2 * across(1) + across(2)
+        };
+        u[i] = sum(|a, b| [place(a, b, 2), place(a, b, 0)]);
+        v[i] = sum(|a, b| [place(a, 2, b), place(a, 0, b)]);
+        w[i] = sum(|a, b| [place(2, a, b), place(0, a, b)]);
     }
 }
 
-/// The difference of two lerps, each of a pair of rows.
+/// Differences of the feet of perpendiculars along u and v, and along the ray.
 #[inline(always)]
-fn feet<const WIDE: bool>(plus: [&[i32]; 2], minus: [&[i32]; 2], weight: i32, shift: Shift, out: &mut [i32]) {
-    let n = out.len();
-    let ([p0, p1], [m0, m1]) = (plus.map(|row| &row[..n]), minus.map(|row| &row[..n]));
-    for i in 0..n {
-        out[i] = lerp::<WIDE>(p0[i], p1[i], weight, shift) - lerp::<WIDE>(m0[i], m1[i], weight, shift);
+fn feet<const WIDE: bool>(around: &Around, [du, dv]: [i32; 2], shift: Shift, [u, v, w]: &mut [Block<i32>; 3]) {
+    for i in 0..BLOCK {
+        let foot = |near: usize, far: usize, weight| lerp::<WIDE>(around[near][i], around[far][i], weight, shift);
+        u[i] = foot(place(1, 1, 2), place(0, 1, 2), du) - foot(place(1, 1, 0), place(2, 1, 0), du);
+        v[i] = foot(place(1, 2, 1), place(0, 2, 1), dv) - foot(place(1, 0, 1), place(2, 0, 1), dv);
+        w[i] = around[place(2, 1, 1)][i] - around[place(0, 1, 1)][i];
     }
 }
 

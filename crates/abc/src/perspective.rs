@@ -1,23 +1,23 @@
 //! What the lanes need of each ray and depth of a perspective frame.
 
 use crate::golden::{halfway, view_vector};
-use cube3_host::{FrameSetup, Normaliser, RayRegisters, Shading};
-use cube3_word::Words;
+use cube3_host::{FrameSetup, Normaliser, Phong, RayRegisters};
+use cube3_word::{Block, Words};
 use std::ops::Range;
 
-/// Weights and factors of a gradient by lane; see [`crate::golden::Local`].
+/// Weights and factors of a block of gradients, by lane; see [`crate::golden::Local`].
 #[derive(Clone, Debug, Default)]
-pub struct LocalRows {
+pub struct LocalBlock {
     /// Along u and v; see [`crate::golden::Local::here`].
-    pub here: [Vec<i32>; 2],
+    pub here: [Block<i32>; 2],
     /// See [`crate::golden::Local::behind`].
-    pub behind: [Vec<i32>; 2],
+    pub behind: [Block<i32>; 2],
     /// See [`crate::golden::Local::before`].
-    pub before: [Vec<i32>; 2],
+    pub before: [Block<i32>; 2],
     /// Of the three components.
-    pub factors: [Vec<i32>; 3],
+    pub factors: [Block<i32>; 3],
     /// Absent where rays are nowhere less than a voxel apart.
-    pub nearness: Option<Vec<u32>>,
+    pub nearness: Option<Block<u32>>,
 }
 
 /// The registers of rays, and what has been made of them for the rays aimed at.
@@ -56,7 +56,7 @@ impl RayLanes {
         &mut self,
         v: i64,
         us: Range<i64>,
-        shading: Option<&Shading>,
+        phong: Option<&Phong>,
         table: Option<&Normaliser>,
         words: &Words,
     ) {
@@ -64,7 +64,7 @@ impl RayLanes {
         for row in self.view.iter_mut().chain(self.halfway.iter_mut().flatten()) {
             row.clear();
         }
-        let (Some(Shading::Phong(phong)), Some(table)) = (shading, table) else {
+        let (Some(phong), Some(table)) = (phong, table) else {
             return;
         };
         let row = (v - self.first[1]) as usize;
@@ -104,60 +104,50 @@ impl RayLanes {
         [u < self.turns[0], v < self.turns[1]]
     }
 
-    /// Weights and factors of lanes `from` to `to`, which lie in `rows` from 0 on.
+    /// Weights and factors of some lanes of a block.
     #[inline(always)]
-    pub fn local(&self, from: usize, to: usize, at: impl Fn(usize) -> [i64; 3] + Copy, rows: &mut LocalRows) {
+    pub fn local(&self, lanes: Range<usize>, at: impl Fn(usize) -> [i64; 3] + Copy, out: &mut LocalBlock) {
         let registers = &self.registers;
         let last = registers.closeness.len() - 1;
-        let lists = rows.here.iter_mut().chain(&mut rows.behind).chain(&mut rows.before).chain(&mut rows.factors);
-        lists.for_each(Vec::clear);
-        rows.nearness = registers.nearness.as_ref().map(|nearness| {
-            let mut row = rows.nearness.take().unwrap_or_default();
-            row.clear();
-            row.extend((from..to).map(|lane| nearness[at(lane)[2] as usize]));
-            row
-        });
-        for lane in from..to {
+        out.nearness = registers.nearness.as_ref().map(|_| out.nearness.unwrap_or_default());
+        for lane in lanes {
             let [column, row] = self.slot(at(lane));
             let k = at(lane)[2] as usize;
             let slopes = [registers.slope_u[column], registers.slope_v[row]];
-            let weigh = |rows: &mut [Vec<i32>; 2], k: usize| {
-                for (row, slope) in rows.iter_mut().zip(slopes) {
-                    row.push(RayRegisters::shear(slope, registers.closeness[k], self.weight_bits) as i32);
+            let weigh = |out: &mut [Block<i32>; 2], k: usize| {
+                for (out, slope) in out.iter_mut().zip(slopes) {
+                    out[lane] = RayRegisters::shear(slope, registers.closeness[k], self.weight_bits) as i32;
                 }
             };
-            weigh(&mut rows.here, k);
-            weigh(&mut rows.behind, (k + 1).min(last));
-            weigh(&mut rows.before, k.saturating_sub(1));
-            for (row, factor) in rows.factors.iter_mut().zip(registers.factors[k]) {
-                row.push(factor as i32);
+            weigh(&mut out.here, k);
+            weigh(&mut out.behind, (k + 1).min(last));
+            weigh(&mut out.before, k.saturating_sub(1));
+            for (out, factor) in out.factors.iter_mut().zip(registers.factors[k]) {
+                out[lane] = factor as i32;
+            }
+            if let (Some(out), Some(nearness)) = (&mut out.nearness, &registers.nearness) {
+                out[lane] = nearness[k];
             }
         }
     }
 
-    /// Towards light `number`, and halfway between it and the eye, for lanes `from` to `to`, which lie in `rows` from 0 on.
+    /// Towards light `number`, and halfway between it and the eye, for the first `count` lanes of a block.
     #[inline(always)]
     pub fn towards(
         &self,
         number: usize,
         direction: [i32; 3],
-        from: usize,
-        to: usize,
+        count: usize,
         at: impl Fn(usize) -> [i64; 3] + Copy,
-        rows: &mut [[Vec<i32>; 3]; 2],
+        [light, half]: &mut [[Block<i32>; 3]; 2],
     ) {
         let at_eye = self.registers.at_eye[number];
         let halfway = if at_eye { &self.view } else { &self.halfway[number] };
-        for i in 0..3 {
-            let ray = |lane: usize| (at(lane)[0] - self.aimed) as usize;
-            let [light, half] = rows;
-            light[i].clear();
-            half[i].clear();
-            half[i].extend((from..to).map(|lane| halfway[i][ray(lane)]));
-            if at_eye {
-                light[i].extend_from_slice(&half[i]);
-            } else {
-                light[i].resize(to - from, direction[i]);
+        for lane in 0..count {
+            let ray = (at(lane)[0] - self.aimed) as usize;
+            for i in 0..3 {
+                half[i][lane] = halfway[i][ray];
+                light[i][lane] = if at_eye { half[i][lane] } else { direction[i] };
             }
         }
     }

@@ -8,12 +8,11 @@
 //! rays pass straight through.
 
 use crate::golden::Shaded;
-use crate::lanes::{AbcLanes, ShadedRow};
+use crate::lanes::{AbcLanes, Around, HERE, ShadedBlock, ShadedRow, reads};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, PortState, Wait};
-use cube3_dsb::golden::ray_pieces;
-use cube3_host::{DiscreteRay, FrameSetup, GradientMethod, MachineSpec, SampleBounds};
+use cube3_host::{BESIDE, DiscreteRay, FrameSetup, Geometry, GradientMethod, MachineSpec, SampleBounds};
 use cube3_trilin::{RaySamples, SampleRay};
-use cube3_word::vectorised;
+use cube3_word::{BLOCK, Block, block, put_block};
 use serde::{Deserialize, Serialize};
 
 /// A slot of coloured samples.
@@ -29,9 +28,69 @@ pub struct ShadedRay<D> {
     pub data: D,
 }
 
-/// Coloured samples of a ray slot, in lane order.
+/// Coloured samples of a ray slot in order of depth, filled up to whole blocks: a row for each part of [`Shaded`]. Where there is no
+/// sample, there are zeros. The sample at depth k is in lane `(slot + k) mod lanes`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ShadedSamples(pub Vec<Shaded>);
+pub struct ShadedSamples {
+    /// Whether each sample takes part: 1 or 0.
+    pub present: Vec<u32>,
+    /// Sample words.
+    pub samples: Vec<i32>,
+    /// Opacities.
+    pub opacity: Vec<u32>,
+    /// Red, green, blue.
+    pub colour: [Vec<u32>; 3],
+}
+
+impl ShadedSamples {
+    /// The samples of a ray.
+    pub fn new(samples: &[Shaded]) -> ShadedSamples {
+        let mut rows = ShadedSamples::default();
+        rows.ready(samples.len().next_multiple_of(BLOCK));
+        for (depth, shaded) in samples.iter().enumerate() {
+            rows.present[depth] = shaded.present.into();
+            rows.samples[depth] = shaded.sample;
+            rows.opacity[depth] = shaded.opacity;
+            rows.colour.iter_mut().zip(shaded.colour).for_each(|(row, word)| row[depth] = word);
+        }
+        rows
+    }
+
+    /// The sample at a depth.
+    #[inline]
+    pub fn at(&self, depth: usize) -> Shaded {
+        Shaded {
+            present: self.present[depth] != 0,
+            sample: self.samples[depth],
+            opacity: self.opacity[depth],
+            colour: [self.colour[0][depth], self.colour[1][depth], self.colour[2][depth]],
+        }
+    }
+
+    /// Makes room for so many words.
+    fn ready(&mut self, row: usize) {
+        if self.samples.len() != row {
+            self.samples = vec![0; row];
+            let words = self.colour.iter_mut().chain([&mut self.present, &mut self.opacity]);
+            words.for_each(|words| *words = vec![0; row]);
+        }
+    }
+
+    /// Takes a block of samples from depth `from` on.
+    #[inline]
+    fn put(&mut self, from: usize, samples: &Block<i32>, shaded: &ShadedBlock) {
+        let mut seen = *samples;
+        for i in 0..BLOCK {
+            seen[i] = if shaded.present[i] == 0 { 0 } else { samples[i] };
+        }
+        put_block(&seen, &mut self.samples, from);
+        put_block(&shaded.present, &mut self.present, from);
+        put_block(&shaded.opacity, &mut self.opacity, from);
+        for (row, colour) in self.colour.iter_mut().zip(&shaded.colour) {
+            put_block(colour, row, from);
+        }
+    }
+}
 
 /// The ABC units' arithmetic, or nothing where only time counts.
 pub trait Shade: Archived {
@@ -68,107 +127,117 @@ impl Archived for NoShading {
     }
 }
 
-/// Samples of a plane: for each slot, in order of depth, with a word that is not read before the first and behind the last.
-type Plane = Vec<Vec<i32>>;
+/// Samples of a plane, a row for each slot: in order of depth, with a word before the first and words up to a whole block and more behind the
+/// last, which are 0 and lie in no volume.
+type Plane = Vec<i32>;
 
 /// The ABC units with their sample planes.
 #[derive(Clone, Debug)]
 pub struct Shader {
-    lanes: usize,
     arithmetic: AbcLanes,
+    /// Words of a slot's row in a plane: a block more than the samples have.
+    row: usize,
     ring: Vec<Plane>,
     first: Vec<Plane>,
-    /// Neighbourhood of the ray in hand: `[w][v][u]`, each by depth.
-    around: Vec<Vec<i32>>,
-    row: ShadedRow,
     overflows: u64,
     /// Of a parallel frame; perspective asks for each sample.
     parallel: Option<Parallel>,
+    perspective: Any,
 }
 
 /// What whole rays of a parallel frame are gathered with.
 #[derive(Clone, Debug)]
 struct Parallel {
     bounds: SampleBounds,
-    /// Which of the 27 neighbours are read.
-    reads: [bool; 27],
-    /// The rays of the slot in hand along u and along v, by depth.
-    rays: [Vec<i32>; 2],
-    /// Which samples lie in the volume along an axis, by slice and ray next to the slot's: `[w · 3 + u]`, each by depth.
-    inside: [Vec<Vec<i32>>; 2],
-    /// The plane that those along v are for.
+    /// Words of bits for a row.
+    words: usize,
+    /// Which samples lie in the volume along u, for every slot: see [`SampleBounds::bits`].
+    along_u: Vec<u16>,
+    /// The same along v for the plane in hand.
+    along_v: Vec<u16>,
     plane: Option<usize>,
-    /// A ray without samples.
-    nothing: Vec<i32>,
+    /// Whether something depends on where a ray is.
+    placed: bool,
+    /// The rays of the slot and of the plane in hand, by depth.
+    rays: [Vec<i32>; 2],
+    out: ShadedBlock,
 }
 
 impl Parallel {
     fn new(setup: &FrameSetup) -> Option<Parallel> {
-        let mut reads = [false; 27];
-        for (place, read) in reads.iter_mut().enumerate() {
-            let by = [place % 3, place / 3 % 3, place / 9].map(|i| i as i64 - 1);
-            *read = by == [0; 3] || setup.gradient.is_some_and(|registers| self::reads(registers.method, by));
+        let geometry = &setup.geometry;
+        let bounds = SampleBounds::new(geometry)?;
+        let words = geometry.size[2].div_ceil(BLOCK);
+        let [slots, _] = geometry.slot_counts();
+        let mut along_u = vec![0; slots * BESIDE * words];
+        let mut rays = Vec::new();
+        for (slot, along_u) in along_u.chunks_mut(BESIDE * words).enumerate() {
+            geometry.rays_along(0, slot, &mut rays);
+            bounds.bits(0, &rays, along_u);
         }
-        let rows = || vec![vec![0; setup.geometry.size[2]]; 9];
         Some(Parallel {
-            bounds: SampleBounds::new(&setup.geometry)?,
-            reads,
-            rays: Default::default(),
-            inside: [rows(), rows()],
+            bounds,
+            words,
+            along_u,
+            along_v: vec![0; BESIDE * words],
             plane: None,
-            nothing: vec![0; setup.geometry.size[2] + 2],
+            placed: !setup.clips.is_empty() || setup.depth_cue.is_some(),
+            rays: [rays, Vec::new()],
+            out: ShadedBlock::default(),
         })
     }
 
     /// Makes ready for a slot.
-    fn aim(&mut self, setup: &FrameSetup, plane: usize, slot: usize) {
-        let Parallel { bounds, rays: [rays_u, rays_v], inside: [inside_u, inside_v], .. } = self;
-        let new_plane = self.plane != Some(plane);
-        if new_plane {
-            setup.geometry.rays_along(1, plane, rays_v);
+    fn aim(&mut self, geometry: &Geometry, plane: usize, slot: usize) {
+        let [along_u, along_v] = &mut self.rays;
+        if self.plane != Some(plane) {
+            geometry.rays_along(1, plane, along_v);
+            self.bounds.bits(1, along_v, &mut self.along_v);
             self.plane = Some(plane);
         }
-        setup.geometry.rays_along(0, slot, rays_u);
-        vectorised(
-            #[inline(always)]
-            || {
-                for by in 0..9 {
-                    let (along, slices) = (by as i32 % 3 - 1, by as i32 / 3 - 1);
-                    bounds.inside(0, rays_u, along, slices, &mut inside_u[by]);
-                    if new_plane {
-                        bounds.inside(1, rays_v, along, slices, &mut inside_v[by]);
-                    }
-                }
-            },
-        );
+        if self.placed {
+            geometry.rays_along(0, slot, along_u);
+        }
     }
 }
 
-/// A neighbour ray's samples where they are in the volume, and the border elsewhere.
+/// What a ray of any frame is gathered with.
+#[derive(Clone, Debug, Default)]
+struct Any {
+    /// Neighbourhood of the ray in hand: `[w][v][u]`, each by depth.
+    around: Vec<Vec<i32>>,
+    row: ShadedRow,
+}
+
+/// A neighbour ray's samples whose bits are set, and the border elsewhere.
 #[inline(always)]
-fn select(samples: &[i32], inside: [&[i32]; 2], border: i32, out: &mut [i32]) {
-    let n = out.len();
-    let (samples, [along_u, along_v]) = (&samples[..n], inside.map(|inside| &inside[..n]));
-    for k in 0..n {
-        out[k] = if along_u[k] & along_v[k] == 0 { border } else { samples[k] };
+fn select(samples: &[i32], bits: u16, border: i32) -> Block<i32> {
+    let samples = block(samples, 0);
+    let mut out = [border; BLOCK];
+    for i in 0..BLOCK {
+        out[i] = if bits & (1 << i) == 0 { border } else { samples[i] };
     }
+    out
 }
 
 impl Shader {
     /// Units for a frame with a ring of `ring` planes. With `skip`, transparent stretches are not shaded, which changes no bit.
-    pub fn new(setup: &FrameSetup, lanes: usize, ring: usize, skip: bool) -> Shader {
+    pub fn new(setup: &FrameSetup, ring: usize, skip: bool) -> Shader {
         let [slots, planes] = setup.geometry.slot_counts();
-        let empty: Plane = vec![Vec::new(); slots];
+        let depths = setup.geometry.size[2].div_ceil(BLOCK) * BLOCK;
+        let row = depths + BLOCK;
+        let empty: Plane = vec![0; slots * row];
         let kept = if setup.geometry.closes()[1] { planes.min(2) } else { 0 };
+        let parallel = Parallel::new(setup);
+        let rows = if parallel.is_none() { 27 } else { 0 };
         Shader {
-            lanes,
             arithmetic: AbcLanes::new(setup, skip),
+            row,
             ring: vec![empty.clone(); ring],
             first: vec![empty; kept],
-            around: vec![vec![0; setup.geometry.size[2]]; 27],
-            row: ShadedRow::default(),
             overflows: 0,
-            parallel: Parallel::new(setup),
+            parallel,
+            perspective: Any { around: vec![vec![0; setup.geometry.size[2]]; rows], row: ShadedRow::default() },
         }
     }
 
@@ -177,15 +246,18 @@ impl Shader {
         self.overflows
     }
 
+    /// The row of a slot: a word, and then the samples in order of depth.
+    #[inline]
     fn samples(&self, plane: usize, slot: usize) -> &[i32] {
-        self.first.get(plane).unwrap_or(&self.ring[plane % self.ring.len()])[slot].as_slice()
+        let plane = self.first.get(plane).unwrap_or(&self.ring[plane % self.ring.len()]);
+        &plane[slot * self.row..][..self.row]
     }
 
     /// Fills one of the 27 neighbour rays: the samples at displacement (u, v, w), or the border.
     fn neighbour(&mut self, setup: &FrameSetup, rays: &[DiscreteRay], by: [i64; 3], border: i32) {
         let geometry = &setup.geometry;
         let place = ((by[2] + 1) * 9 + (by[1] + 1) * 3 + by[0] + 1) as usize;
-        let mut row = std::mem::take(&mut self.around[place]);
+        let mut row = std::mem::take(&mut self.perspective.around[place]);
         row.clear();
         for (k, ray) in rays.iter().enumerate() {
             let ray = DiscreteRay { u: ray.u + by[0], v: ray.v + by[1] };
@@ -197,19 +269,7 @@ impl Shader {
                 border
             });
         }
-        self.around[place] = row;
-    }
-}
-
-/// Whether a gradient method reads the neighbour at a displacement.
-fn reads(method: GradientMethod, by: [i64; 3]) -> bool {
-    let distance: i64 = by.iter().map(|x| x.abs()).sum();
-    match method {
-        GradientMethod::Six | GradientMethod::SixSheared => distance == 1,
-        GradientMethod::TwentySix | GradientMethod::TwentySixSheared => true,
-        GradientMethod::Ten | GradientMethod::TenNormalised => distance == 1 || (distance == 2 && by[2] != 0),
-        // Behind on the side of the eye's lower slopes, before on the other.
-        GradientMethod::Twelve => distance == 1 || (by[2] != 0 && by[0] * by[2] <= 0 && by[1] * by[2] <= 0),
+        self.perspective.around[place] = row;
     }
 }
 
@@ -224,34 +284,31 @@ impl Shade for Shader {
     type Input = RaySamples;
     type Output = ShadedSamples;
 
-    fn take(&mut self, setup: &FrameSetup, ray: &mut SampleRay<RaySamples>) {
+    fn take(&mut self, _: &FrameSetup, ray: &mut SampleRay<RaySamples>) {
         let (plane, slot) = (ray.plane as usize, ray.slot as usize);
-        let (lanes, depths) = (self.lanes, setup.geometry.size[2]);
         let held = plane % self.ring.len();
-        let place = &mut self.ring[held][slot];
-        place.clear();
-        place.push(0);
-        ray_pieces(&ray.data.samples, lanes, slot, depths).for_each(|piece| place.extend_from_slice(piece));
-        place.push(0);
+        let place = &mut self.ring[held][slot * self.row..][..self.row];
+        place[1..=self.row - BLOCK].copy_from_slice(&ray.data.samples);
         if let Some(kept) = self.first.get_mut(plane) {
-            kept[slot].clone_from(&self.ring[held][slot]);
+            kept[slot * self.row..][..self.row].copy_from_slice(place);
         }
     }
 
     fn give(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut ShadedSamples) {
+        output.ready(self.row - BLOCK);
         match self.parallel.take() {
             Some(mut parallel) => {
-                self.give_parallel(setup, &mut parallel, plane, slot, output);
+                self.shade_parallel(setup, &mut parallel, plane, slot, output);
                 self.parallel = Some(parallel);
             }
-            None => self.give_any(setup, plane, slot, output),
+            None => self.shade_any(setup, plane, slot, output),
         }
     }
 }
 
 impl Shader {
     /// A slot of a parallel frame, whose neighbours are those of the same slots and planes at every depth.
-    fn give_parallel(
+    fn shade_parallel(
         &mut self,
         setup: &FrameSetup,
         parallel: &mut Parallel,
@@ -261,7 +318,7 @@ impl Shader {
     ) {
         let geometry = &setup.geometry;
         let depths = geometry.size[2];
-        parallel.aim(setup, plane, slot);
+        parallel.aim(geometry, plane, slot);
         let border = setup.gradient.map_or(0, |registers| registers.border);
         let [slots, planes] = geometry.slot_counts();
         // Beyond the last slot comes the first where they are shared, and else nothing that is in the volume.
@@ -270,78 +327,59 @@ impl Shader {
             Some(_) => 0,
             None => count - 1,
         };
-        let mut around = std::mem::take(&mut self.around);
-        let mut row = std::mem::take(&mut self.row);
-        let Parallel { reads, rays: [rays_u, rays_v], inside: [inside_u, inside_v], nothing, .. } = &*parallel;
-        row.present.resize(depths, 0);
-        let arithmetic = &mut self.arithmetic;
-        let (ring, first) = (&self.ring, &self.first);
+        let (ring, first, row) = (&self.ring, &self.first, self.row);
         // The rays around the slot; one that has not come yet has nothing in the volume.
         let rays = [0, 1, 2].map(|v| {
             let plane = beside(plane, v, planes);
             let plane = first.get(plane).unwrap_or(&ring[plane % ring.len()]);
-            [0, 1, 2].map(|u| {
-                let ray = &plane[beside(slot, u, slots)];
-                if ray.is_empty() { nothing.as_slice() } else { ray.as_slice() }
-            })
+            [0, 1, 2].map(|u| &plane[beside(slot, u, slots) * row..][..row])
         });
-        vectorised(
-            #[inline(always)]
-            || {
-                for (place, around) in around.iter_mut().enumerate() {
-                    if reads[place] {
-                        let (w, v, u) = (place / 9, place / 3 % 3, place % 3);
-                        let inside = [inside_u[3 * w + u].as_slice(), &inside_v[3 * w + v]];
-                        select(&rays[v][u][w..], inside, border, &mut around[..depths]);
-                    }
-                }
-                let (in_u, in_v) = (&inside_u[4][..depths], &inside_v[4][..depths]);
-                for (k, present) in row.present[..depths].iter_mut().enumerate() {
-                    *present = (in_u[k] & in_v[k] & 1) as u8;
-                }
-                let at = |k: usize| [i64::from(rays_u[k]), i64::from(rays_v[k]), k as i64];
-                for clip in &setup.clips {
-                    for (k, present) in row.present[..depths].iter_mut().enumerate() {
-                        *present &= u8::from(geometry.evaluate(&clip.distance, at(k)) >= 0);
-                    }
-                }
-                let neighbour = |w: usize, v: usize, u: usize| around[w * 9 + v * 3 + u].as_slice();
-                arithmetic.shade(depths, neighbour, at, geometry, &mut row);
-            },
-        );
-        self.overflows += row.overflows;
-        self.around = around;
-        self.row = row;
-        self.place(slot, depths, output);
-    }
-
-    /// Puts the shaded row into lane order.
-    fn place(&self, slot: usize, depths: usize, output: &mut ShadedSamples) {
-        let (row, lanes) = (&self.row, self.lanes);
-        output.0.resize(depths.div_ceil(lanes) * lanes, Shaded::default());
-        let [red, green, blue] = &row.colour;
-        let (present, opacity, samples) = (&row.present[..depths], &row.opacity[..depths], &self.around[13][..depths]);
-        let (red, green, blue) = (&red[..depths], &green[..depths], &blue[..depths]);
-        for (chunk, output) in output.0.chunks_mut(lanes).enumerate() {
-            let (from, to) = (chunk * lanes, depths.min((chunk + 1) * lanes));
-            if to - from < lanes {
-                output.fill(Shaded::default());
+        let Parallel { words, along_u, along_v, rays: [rays_u, rays_v], out, .. } = parallel;
+        let words = *words;
+        let along_u = &along_u[slot * BESIDE * words..][..BESIDE * words];
+        let reads = *self.arithmetic.reads();
+        for word in 0..words {
+            let from = word * BLOCK;
+            let count = BLOCK.min(depths - from);
+            let bits = |w: usize, v: usize, u: usize| {
+                along_u[(3 * w + u) * words + word] & along_v[(3 * w + v) * words + word]
+            };
+            let here = bits(1, 1, 1);
+            let at = |lane: usize| {
+                [i64::from(rays_u[from + lane]), i64::from(rays_v[from + lane]), (from + lane) as i64]
+            };
+            for (lane, present) in out.present.iter_mut().enumerate() {
+                *present = u32::from(here >> lane & 1);
             }
-            let mut lane = slot % lanes;
-            for k in from..to {
-                output[lane] = if present[k] == 0 {
-                    Shaded::default()
-                } else {
-                    let colour = [red[k], green[k], blue[k]];
-                    Shaded { present: true, sample: samples[k], opacity: opacity[k], colour }
-                };
-                lane = if lane + 1 == lanes { 0 } else { lane + 1 };
+            for clip in &setup.clips {
+                for (lane, present) in out.present[..count].iter_mut().enumerate() {
+                    *present &= u32::from(geometry.evaluate(&clip.distance, at(lane)) >= 0);
+                }
             }
+            let samples = select(&rays[1][1][from + 1..], here, border);
+            self.arithmetic.shade_block(
+                &samples,
+                #[inline(always)]
+                |around: &mut Around| {
+                    for (place, around) in around.iter_mut().enumerate() {
+                        if reads[place] {
+                            let (w, v, u) = (place / 9, place / 3 % 3, place % 3);
+                            *around = select(&rays[v][u][from + w..], bits(w, v, u), border);
+                        }
+                    }
+                },
+                count,
+                at,
+                geometry,
+                out,
+            );
+            output.put(from, &samples, out);
+            self.overflows += u64::from(out.overflows);
         }
     }
 
     /// A slot of any frame, sample by sample.
-    fn give_any(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut ShadedSamples) {
+    fn shade_any(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut ShadedSamples) {
         let geometry = &setup.geometry;
         let depths = geometry.size[2];
         let rays: Vec<DiscreteRay> = (0..depths).map(|k| geometry.ray_in_slot(plane, slot, k)).collect();
@@ -354,38 +392,30 @@ impl Shader {
                 let turned = [0, 1].map(|axis| if mirrored[axis] { -by[axis] } else { by[axis] });
                 if by != [0; 3] && reads(registers.method, [turned[0], turned[1], by[2]]) {
                     self.neighbour(setup, &rays, by, border);
-                } else if by != [0; 3] {
-                    self.around[place as usize].resize(depths, 0);
                 }
             }
-        } else {
-            for row in &mut self.around {
-                row.resize(depths, 0);
-            }
         }
-        let mut row = std::mem::take(&mut self.row);
+        let Any { around, row } = &mut self.perspective;
         row.present.clear();
         row.present.extend(rays.iter().enumerate().map(|(k, ray)| {
             let inside =
                 |clip: &cube3_host::HalfSpace| geometry.evaluate(&clip.distance, [ray.u, ray.v, k as i64]) >= 0;
             u8::from(geometry.has_sample(*ray, k as i64) && setup.clips.iter().all(inside))
         }));
-        let (around, rays) = (&self.around, &rays);
-        let arithmetic = &mut self.arithmetic;
         if let Some(ray) = rays.first() {
-            arithmetic.aim(ray.v, ray.u..ray.u + 1);
+            self.arithmetic.aim(ray.v, ray.u..ray.u + 1);
         }
-        vectorised(
-            #[inline(always)]
-            || {
-                let neighbour = |w: usize, v: usize, u: usize| around[w * 9 + v * 3 + u].as_slice();
-                let at = |k: usize| [rays[k].u, rays[k].v, k as i64];
-                arithmetic.shade(depths, neighbour, at, geometry, &mut row);
-            },
-        );
+        let neighbour = |w: usize, v: usize, u: usize| around[w * 9 + v * 3 + u].as_slice();
+        let at = |k: usize| [rays[k].u, rays[k].v, k as i64];
+        self.arithmetic.shade(depths, neighbour, at, geometry, row);
         self.overflows += row.overflows;
-        self.row = row;
-        self.place(slot, depths, output);
+        let ShadedSamples { present, samples, opacity, colour } = output;
+        for k in 0..depths {
+            present[k] = row.present[k].into();
+            samples[k] = if row.present[k] == 0 { 0 } else { around[HERE][k] };
+        }
+        opacity[..depths].copy_from_slice(&row.opacity);
+        colour.iter_mut().zip(&row.colour).for_each(|(into, from)| into[..depths].copy_from_slice(from));
     }
 }
 
@@ -626,7 +656,7 @@ impl<A: Shade> AbcUnit<A> {
 
 impl Archived for Shader {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let Shader { lanes: _, arithmetic: _, ring, first, around: _, row: _, overflows, parallel: _ } = self;
+        let Shader { arithmetic: _, row: _, ring, first, overflows, parallel: _, perspective: _ } = self;
         ring.iter_mut().chain(first).try_for_each(|plane| archive.list(plane))?;
         archive.item(overflows)
     }

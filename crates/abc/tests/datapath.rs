@@ -5,9 +5,9 @@ mod registers;
 use cube3_abc::golden::{Neighbourhood, Shaded, shade};
 use cube3_abc::{AbcSpec, AbcUnit, ShadedRay, ShadedSamples, Shader};
 use cube3_channel::Channel;
-use cube3_dsb::golden::ray_lane;
 use cube3_host::{DiscreteRay, FrameSetup, Geometry, MachineSpec};
 use cube3_trilin::{RaySamples, SampleRay};
+use cube3_word::BLOCK;
 use cube3_word::unit_full;
 use proptest::prelude::*;
 use registers::{Dice, hosted_frame};
@@ -37,21 +37,21 @@ fn neighbourhood(seed: u64, setup: &FrameSetup, ray: DiscreteRay, k: i64) -> Nei
 }
 
 /// A slot as the interpolators send it.
-fn fill(seed: u64, setup: &FrameSetup, lanes: usize, plane: usize, slot: usize, data: &mut RaySamples) {
+fn fill(seed: u64, setup: &FrameSetup, plane: usize, slot: usize, data: &mut RaySamples) {
     let depths = setup.geometry.size[2];
-    data.samples = vec![0; depths.div_ceil(lanes) * lanes];
+    data.samples = vec![0; depths.next_multiple_of(BLOCK)];
     for k in 0..depths {
         let ray = setup.geometry.ray_in_slot(plane, slot, k);
         if setup.geometry.has_sample(ray, k as i64) {
-            data.samples[ray_lane(lanes, slot, k)] = sample(seed, ray, k as i64, setup.words.sample_bits());
+            data.samples[k] = sample(seed, ray, k as i64, setup.words.sample_bits());
         }
     }
 }
 
-fn assert_slot(seed: u64, setup: &FrameSetup, lanes: usize, ray: &ShadedRay<ShadedSamples>) -> u64 {
+fn assert_slot(seed: u64, setup: &FrameSetup, ray: &ShadedRay<ShadedSamples>) -> u64 {
     let geometry: &Geometry = &setup.geometry;
     let (plane, slot) = (ray.plane as usize, ray.slot as usize);
-    let mut expected = vec![Shaded::default(); geometry.size[2].div_ceil(lanes) * lanes];
+    let mut expected = vec![Shaded::default(); geometry.size[2]];
     let mut overflows = 0;
     for k in 0..geometry.size[2] {
         let owner = geometry.ray_in_slot(plane, slot, k);
@@ -60,11 +60,11 @@ fn assert_slot(seed: u64, setup: &FrameSetup, lanes: usize, ray: &ShadedRay<Shad
             let counted = shade(&around, [owner.u, owner.v, k as i64], setup);
             overflows += u64::from(counted.overflows);
             if counted.value.present {
-                expected[ray_lane(lanes, slot, k)] = counted.value;
+                expected[k] = counted.value;
             }
         }
     }
-    assert_eq!(ray.data.0, expected, "plane {plane}, slot {slot}, {:?}", geometry.size);
+    assert_eq!(ray.data, ShadedSamples::new(&expected), "plane {plane}, slot {slot}, {:?}", geometry.size);
     overflows
 }
 
@@ -80,7 +80,7 @@ proptest! {
         }
         let machine = MachineSpec { lanes, ..MachineSpec::default() };
         let spec = AbcSpec::new(&machine, &setup);
-        let mut unit = AbcUnit::new([(spec, Shader::new(&setup, lanes, machine.abc.planes, skip))]);
+        let mut unit = AbcUnit::new([(spec, Shader::new(&setup, machine.abc.planes, skip))]);
         let mut samples = Channel::<SampleRay<RaySamples>>::new("samples", 2, 1).unwrap();
         let mut shaded = Channel::<ShadedRay<ShadedSamples>>::new("shaded", 2, 1).unwrap();
         let total = spec.slots * spec.planes;
@@ -89,12 +89,12 @@ proptest! {
             if offered < total && let Some(ray) = samples.push_slot() {
                 let (plane, slot) = ((offered / spec.slots) as usize, (offered % spec.slots) as usize);
                 (ray.plane, ray.slot) = (plane as u32, slot as u32);
-                fill(seed, &setup, lanes, plane, slot, &mut ray.data);
+                fill(seed, &setup, plane, slot, &mut ray.data);
                 offered += 1;
             }
             unit.tick(std::slice::from_ref(&setup), &mut samples, &mut shaded);
             if cycle.is_multiple_of(slow) && let Some(ray) = shaded.pop_slot() {
-                overflows += assert_slot(seed, &setup, lanes, ray);
+                overflows += assert_slot(seed, &setup, ray);
                 given += 1;
             }
             samples.commit();

@@ -2,6 +2,7 @@
 
 use crate::golden::{Placement, Skew, output_lane};
 use cube3_host::{Axes, Layout};
+use cube3_word::turn;
 use std::ops::Range;
 
 /// The cubic frame buffer with a volume in it.
@@ -10,7 +11,6 @@ pub struct FrameBuffer {
     placement: Placement,
     /// What each coordinate adds to the address, for x, y, z.
     terms: [Vec<usize>; 3],
-    words_each: usize,
     modules: Vec<u16>,
     /// The other half of a double buffer.
     back: Option<Vec<u16>>,
@@ -60,14 +60,14 @@ impl FrameBuffer {
         voxels: &[u16],
     ) -> Result<FrameBuffer, FrameBufferError> {
         let placement = Placement { skew, layout, dims };
-        let words_each = placement.words();
-        let bytes = 2 * words_each as u128 * skew.lanes as u128;
+        let words = placement.words();
+        let bytes = 2 * words as u128 * skew.lanes as u128;
         if bytes > Self::LIMIT_BYTES {
             return Err(FrameBufferError::Memory { bytes, limit: Self::LIMIT_BYTES, depth: skew.depth() });
         }
         let terms = [0, 1, 2].map(|axis| (0..dims[axis]).map(|i| placement.term(axis, i)).collect());
-        let modules = vec![0; words_each * skew.lanes];
-        let mut buffer = FrameBuffer { placement, terms, words_each, modules, back: None, incoming: Vec::new() };
+        let modules = vec![0; words * skew.lanes];
+        let mut buffer = FrameBuffer { placement, terms, modules, back: None, incoming: Vec::new() };
         let mut voxel = voxels.iter();
         for z in 0..dims[2] {
             for y in 0..dims[1] {
@@ -108,8 +108,8 @@ impl FrameBuffer {
     }
 
     fn place(&self, xyz: [usize; 3]) -> usize {
-        let module = self.placement.skew.module(xyz.map(|i| i as i64));
-        module * self.words_each + self.terms[0][xyz[0]] + self.terms[1][xyz[1]] + self.terms[2][xyz[2]]
+        let address = self.terms[0][xyz[0]] + self.terms[1][xyz[1]] + self.terms[2][xyz[2]];
+        address * self.placement.skew.lanes + self.placement.skew.module(xyz.map(|i| i as i64))
     }
 
     /// Reads the beam along u at row `v` and plane `w` into lane order: voxel u of the beam goes to
@@ -117,7 +117,6 @@ impl FrameBuffer {
     pub fn fetch(&self, axes: &Axes, v: usize, w: usize, beam: &mut Vec<u16>) {
         let size = axes.permute(self.placement.dims);
         let lanes = self.placement.skew.lanes;
-        beam.clear();
         beam.resize(size[0].div_ceil(lanes) * lanes, 0);
         // Along u module, lane and coordinate go on by a step each.
         let along = axes.axis[0];
@@ -130,9 +129,18 @@ impl FrameBuffer {
         let mut lane = output_lane(lanes, [0, v, w]);
         let terms = &self.terms[along];
         for (chunk, beam) in beam.chunks_mut(lanes).enumerate() {
-            for u in chunk * lanes..size[0].min((chunk + 1) * lanes) {
-                let coordinate = if axes.reversed[0] { size[0] - 1 - u } else { u };
-                beam[lane] = self.modules[module * self.words_each + terms[coordinate] + rest];
+            let (first, end) = (chunk * lanes, size[0].min((chunk + 1) * lanes));
+            let coordinate = |u: usize| if axes.reversed[0] { size[0] - 1 - u } else { u };
+            if end - first < lanes {
+                beam.fill(0);
+            } else if step == 1 && terms[coordinate(first)] == terms[coordinate(end - 1)] {
+                // One address of all modules, which are turned to their lanes.
+                let row = &self.modules[(terms[coordinate(first)] + rest) * lanes..][..lanes];
+                turn(row, (lane + lanes - module) % lanes, beam);
+                continue;
+            }
+            for u in first..end {
+                beam[lane] = self.modules[(terms[coordinate(u)] + rest) * lanes + module];
                 module += step;
                 module -= if module >= lanes { lanes } else { 0 };
                 lane = if lane + 1 == lanes { 0 } else { lane + 1 };

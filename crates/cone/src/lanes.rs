@@ -1,10 +1,12 @@
 //! The same reduction for one ray from any leaf of the circle, and for whole rows of rays at once.
 
 use crate::golden::{Node, combine};
+use cube3_abc::ShadedSamples;
 use cube3_abc::lanes::ShadedRow;
 use cube3_host::{ConeOrder, ConeRegisters, DiscreteRay};
 use cube3_scene::Mode;
-use cube3_word::{Rounding, Words, unit_full};
+use cube3_word::{BLOCK, Rounding, Words, block, put_block, unit_full, vectorised};
+use std::ops::Range;
 
 /// A stretch of one ray at a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -189,6 +191,135 @@ macro_rules! accumulator {
 
 accumulator!(u32);
 accumulator!(u64);
+
+/// The leaves and trees of one slot, for modes whose nodes add up, and accumulators of 16 bits at most: a sum that a transparent sample
+/// does not change. Blocks of leaves are reduced at once.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SlotLanes {
+    /// Red, green, blue, opacity of the leaves in order of depth, and a block more.
+    leaves: [Vec<u32>; 4],
+    /// Nodes of a ray above its blocks.
+    nodes: Vec<Node>,
+}
+
+/// What the nodes of a slot compute with.
+#[derive(Clone, Copy, Debug)]
+struct Sums {
+    factors: UnitFactors,
+    full: u32,
+    /// Whether a node hides what is behind.
+    over: bool,
+}
+
+impl SlotLanes {
+    /// Whether a frame's mode and words let it be used.
+    pub fn fits(cone: &ConeRegisters, words: &Words) -> bool {
+        let adds = matches!(cone.mode, Mode::Composite | Mode::WeightedSum);
+        adds && cone.order == ConeOrder::Tree && words.accumulator_bits <= 16
+    }
+
+    /// Takes the samples of a slot.
+    pub fn leaves(&mut self, input: &ShadedSamples, words: &Words) {
+        self.leaves.iter_mut().for_each(|row| row.resize(input.opacity.len() + BLOCK, 0));
+        let bits = words.accumulator_bits;
+        let (opacity, colour) = (Resize::new(words.opacity_bits, bits), Resize::new(words.colour_bits, bits));
+        let factors = UnitFactors::new(words);
+        for from in (0..input.opacity.len()).step_by(BLOCK) {
+            let [red, green, blue] = input.colour.each_ref().map(|row| block(row, from));
+            let alpha = block(&input.opacity, from);
+            let mut leaves = [[0; BLOCK]; 4];
+            vectorised(
+                #[inline(always)]
+                || {
+                    let [r, g, b, a] = &mut leaves;
+                    for i in 0..BLOCK {
+                        let through = opacity.apply(alpha[i]);
+                        r[i] = colour.apply(red[i]).unit_mul(through, factors);
+                        g[i] = colour.apply(green[i]).unit_mul(through, factors);
+                        b[i] = colour.apply(blue[i]).unit_mul(through, factors);
+                        a[i] = through;
+                    }
+                },
+            );
+            self.leaves.iter_mut().zip(&leaves).for_each(|(row, leaves)| put_block(leaves, row, from));
+        }
+    }
+
+    /// A ray, the samples from `range`: a tree over each chunk of the cone's leaves, whose results are combined in order.
+    pub fn ray(&mut self, range: Range<usize>, cone: &ConeRegisters, words: &Words) -> Node {
+        let sums = Sums {
+            factors: UnitFactors::new(words),
+            full: unit_full(words.accumulator_bits),
+            over: cone.mode == Mode::Composite,
+        };
+        let mut sum = Node::default();
+        for chunk in range.start / cone.leaves..range.end.div_ceil(cone.leaves) {
+            let (start, end) = (chunk * cone.leaves, (chunk + 1) * cone.leaves);
+            self.nodes.clear();
+            for first in (start..end.min(range.end)).step_by(BLOCK) {
+                let part = range.start.max(first)..range.end.min(first + BLOCK).min(end);
+                self.nodes.push(self.block(first, part, sums));
+            }
+            sum = combine(cone.mode, sum, tree_of_ray(&mut self.nodes, 0, cone.mode, words), words);
+        }
+        sum
+    }
+
+    /// The tree over a block of leaves from depth `first` on, of which those of `part` are of the ray.
+    fn block(&self, first: usize, part: Range<usize>, sums: Sums) -> Node {
+        let seen = |row: &Vec<u32>| row[part.clone()].iter().fold(0, |any, word| any | word);
+        if part.is_empty() || seen(&self.leaves[3]) == 0 {
+            return Node::default();
+        }
+        let leaves = self.leaves.each_ref().map(|row| block(row, first));
+        let (from, to) = ((part.start - first) as u32, (part.end - first) as u32);
+        let mut rgba = [[0]; 4];
+        vectorised(
+            #[inline(always)]
+            || {
+                let mut ray = [[0; BLOCK]; 4];
+                let [red, green, blue, alpha] = &mut ray;
+                for i in 0..BLOCK {
+                    let of_ray = from <= i as u32 && (i as u32) < to;
+                    red[i] = if of_ray { leaves[0][i] } else { 0 };
+                    green[i] = if of_ray { leaves[1][i] } else { 0 };
+                    blue[i] = if of_ray { leaves[2][i] } else { 0 };
+                    alpha[i] = if of_ray { leaves[3][i] } else { 0 };
+                }
+                let (mut eight, mut four, mut two) = ([[0; 8]; 4], [[0; 4]; 4], [[0; 2]; 4]);
+                level(&ray, sums, &mut eight);
+                level(&eight, sums, &mut four);
+                level(&four, sums, &mut two);
+                level(&two, sums, &mut rgba);
+            },
+        );
+        Node { present: true, sample: 0, rgba: rgba.map(|[word]| word.into()) }
+    }
+}
+
+/// A level of a tree: each node of `out` of two neighbours.
+#[inline(always)]
+fn level<const N: usize, const HALF: usize>(
+    nodes: &[[u32; N]; 4],
+    sums: Sums,
+    [red, green, blue, alpha]: &mut [[u32; HALF]; 4],
+) {
+    for i in 0..HALF {
+        let (left, right) = (2 * i, 2 * i + 1);
+        if sums.over {
+            let through = sums.full - nodes[3][left];
+            red[i] = nodes[0][left] + through.unit_mul(nodes[0][right], sums.factors);
+            green[i] = nodes[1][left] + through.unit_mul(nodes[1][right], sums.factors);
+            blue[i] = nodes[2][left] + through.unit_mul(nodes[2][right], sums.factors);
+            alpha[i] = nodes[3][left] + through.unit_mul(nodes[3][right], sums.factors);
+        } else {
+            red[i] = nodes[0][left] + nodes[0][right];
+            green[i] = nodes[1][left] + nodes[1][right];
+            blue[i] = nodes[2][left] + nodes[2][right];
+            alpha[i] = nodes[3][left] + nodes[3][right];
+        }
+    }
+}
 
 /// A row of nodes: one for each ray from `start` on; rays beyond the row have nothing.
 #[derive(Clone, Debug, Default)]

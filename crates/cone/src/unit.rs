@@ -8,12 +8,10 @@
 
 use crate::ConeSpec;
 use crate::golden::{Node, combine, leaf, pixel};
-use crate::lanes::{Segment, circle_by, in_order, in_order_by, join_by, tree_of_ray};
+use crate::lanes::{Segment, SlotLanes, circle_by, in_order, in_order_by, join_by, tree_of_ray};
 use cube3_abc::{ShadedRay, ShadedSamples};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
-use cube3_dsb::golden::ray_lane;
 use cube3_host::{ConeOrder, DiscreteRay, FrameSetup};
-use cube3_scene::Mode;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -78,6 +76,8 @@ pub struct Reducer {
     overflows: u64,
     /// The leaves of a ray: their memory.
     leaves: Vec<Node>,
+    /// What reduces a slot at once, where mode and words let it.
+    slot: SlotLanes,
 }
 
 impl Reducer {
@@ -94,8 +94,7 @@ impl Reduce for Reducer {
     fn reduce(&mut self, setup: &FrameSetup, plane: usize, slot: usize, input: &ShadedSamples, output: &mut Pixels) {
         let (cone, words, geometry) = (&setup.cone, &setup.words, &setup.geometry);
         let at = |depth: usize| {
-            let shaded = &input.0[ray_lane(cone.leaves, slot, depth)];
-            Segment { ray: geometry.ray_in_slot(plane, slot, depth), node: leaf(shaded, cone, words) }
+            Segment { ray: geometry.ray_in_slot(plane, slot, depth), node: leaf(&input.at(depth), cone, words) }
         };
         output.0.clear();
         let mut send = |Segment { ray, node }: Segment| {
@@ -107,10 +106,18 @@ impl Reduce for Reducer {
             in_order(geometry.size[2], at, cone.mode, words).into_iter().for_each(send);
             return;
         }
+        let at_once = SlotLanes::fits(cone, words);
+        if at_once {
+            self.slot.leaves(input, words);
+        }
         let mut first = 0;
         while first < geometry.size[2] {
             let end = geometry.ray_end(plane, slot, first);
-            let node = tree(setup, slot, first..end, input, &mut self.leaves);
+            let node = if at_once {
+                self.slot.ray(first..end, cone, words)
+            } else {
+                tree(setup, first..end, input, &mut self.leaves)
+            };
             send(Segment { ray: geometry.ray_in_slot(plane, slot, first), node });
             first = end;
         }
@@ -118,33 +125,16 @@ impl Reduce for Reducer {
 }
 
 /// A ray, the samples of a slot from `range`, through the circle of leaves chunk by chunk; the chunks are combined in order.
-fn tree(setup: &FrameSetup, slot: usize, range: Range<usize>, input: &ShadedSamples, leaves: &mut Vec<Node>) -> Node {
+fn tree(setup: &FrameSetup, range: Range<usize>, input: &ShadedSamples, leaves: &mut Vec<Node>) -> Node {
     let (cone, words) = (&setup.cone, &setup.words);
-    // What is transparent adds nothing to these, and a leaf without a sample is passed by.
-    let sums = matches!(cone.mode, Mode::Composite | Mode::WeightedSum);
     let mut sum = Node::default();
     for chunk in range.start / cone.leaves..range.end.div_ceil(cone.leaves) {
         let start = chunk * cone.leaves;
-        let (from, to) = (range.start.max(start) - start, range.end.min(start + cone.leaves) - start);
-        // The leaf of depth 0 of the chunk is the one that the slot is skewed to.
-        let mut lane = (slot + from) % cone.leaves;
-        let lanes = &input.0[start..start + cone.leaves];
-        let mut first = from;
+        let depths = range.start.max(start)..range.end.min(start + cone.leaves);
+        let first = depths.start - start;
         leaves.clear();
-        for depth in from..to {
-            let shaded = &lanes[lane];
-            lane = if lane + 1 == cone.leaves { 0 } else { lane + 1 };
-            if !sums || shaded.opacity != 0 {
-                leaves.push(leaf(shaded, cone, words));
-            } else if leaves.is_empty() {
-                first = depth + 1;
-            } else {
-                leaves.push(Node::default());
-            }
-        }
-        if !leaves.is_empty() {
-            sum = combine(cone.mode, sum, tree_of_ray(leaves, first, cone.mode, words), words);
-        }
+        leaves.extend(depths.map(|depth| leaf(&input.at(depth), cone, words)));
+        sum = combine(cone.mode, sum, tree_of_ray(leaves, first, cone.mode, words), words);
     }
     sum
 }
@@ -277,7 +267,7 @@ impl<R: Reduce> ConeUnit<R> {
 
 impl Archived for Reducer {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let Reducer { overflows, leaves: _ } = self;
+        let Reducer { overflows, leaves: _, slot: _ } = self;
         archive.item(overflows)
     }
 }

@@ -5,7 +5,6 @@ use cube3_abc::{ShadedRay, ShadedSamples};
 use cube3_channel::Channel;
 use cube3_cone::golden::{Node, leaf, pixel, reduce};
 use cube3_cone::{ConeSpec, ConeUnit, PixelGroup, Pixels, Reducer};
-use cube3_dsb::golden::ray_lane;
 use cube3_host::{
     Cone, ConeKind, DiscreteRay, FrameSetup, MachineSpec, RaySlots, Rays, TemplateRule, VolumeInfo, frame_setup,
 };
@@ -59,11 +58,13 @@ proptest! {
 
     #[test]
     fn every_pixel_has_the_golden_bits(
-        dims in prop::array::uniform3(1_usize..9), direction in prop::array::uniform3(prop_oneof![Just(1.0), Just(0.0), -1.0..1.0_f64]),
-        padded: bool, plane_floor: bool, lanes in 1_usize..14, seed: u64, mode in 0_usize..6, kind in 0_usize..4,
+        dims in prop::array::uniform3(1_usize..9), long in 1_usize..45, axis in 0_usize..6, direction in prop::array::uniform3(prop_oneof![Just(1.0), Just(0.0), -1.0..1.0_f64]),
+        padded: bool, plane_floor: bool, lanes in prop_oneof![1_usize..14, 14_usize..40], seed: u64, mode in 0_usize..6, kind in 0_usize..4,
         bits in (1_u32..=16, 1_u32..=16, 1_u32..=32), truncate: bool,
     ) {
         prop_assume!(direction.iter().any(|x| x.abs() > 0.01));
+        // In half of the cases rays, or beams, of more than a block.
+        let dims = [0, 1, 2].map(|i| if i == axis { long } else { dims[i] });
         let (colour_bits, opacity_bits, accumulator_bits) = bits;
         let rounding = if truncate { Rounding::Truncate } else { Rounding::Nearest };
         let words = Words { colour_bits, opacity_bits, accumulator_bits, rounding, table_bits: 1, ..Words::default() };
@@ -91,10 +92,9 @@ proptest! {
             if offered < slots * planes && let Some(ray) = shaded.push_slot() {
                 let (plane, slot) = (offered / slots, offered % slots);
                 (ray.plane, ray.slot) = (plane as u32, slot as u32);
-                ray.data.0 = vec![Shaded::default(); depths.div_ceil(lanes) * lanes];
-                for k in 0..depths {
-                    ray.data.0[ray_lane(lanes, slot, k)] = sample(seed, &setup, geometry.ray_in_slot(plane, slot, k), k);
-                }
+                let at = |k| sample(seed, &setup, geometry.ray_in_slot(plane, slot, k), k);
+                let samples: Vec<Shaded> = (0..depths).map(at).collect();
+                ray.data = ShadedSamples::new(&samples);
                 offered += 1;
             }
             unit.tick(std::slice::from_ref(&setup), &mut shaded, &mut out);

@@ -4,6 +4,7 @@ use crate::golden::{beam_lane, slot};
 use cube3_cfb::golden::output_lane;
 use cube3_channel::{Archive, ArchiveError, Archived};
 use cube3_host::Geometry;
+use cube3_word::turn;
 
 /// Turns beams from the frame buffer's lane order into the skewed buffers'.
 #[derive(Clone, Copy, Debug)]
@@ -21,10 +22,8 @@ impl Rotator {
             // A beam that fills the lanes is turned as a whole: see `rotation`.
             let to = beam_lane(n, slot(geometry, 0, depth), depth);
             let from = output_lane(n, [0, v, depth]);
-            let turn = (to + n - from) % n;
             aligned.resize(n, 0);
-            aligned[turn..].copy_from_slice(&beam[..n - turn]);
-            aligned[..turn].copy_from_slice(&beam[n - turn..]);
+            turn(beam, (to + n - from) % n, aligned);
             return;
         }
         aligned.clear();
@@ -66,13 +65,46 @@ impl Rotator {
     }
 }
 
+/// Puts a ray in order of depth into the lane order of its slot. Lanes without a depth are left as they are.
+#[inline]
+pub fn into_lanes<T: Copy>(ray: &[T], lanes: usize, slot: usize, out: &mut [T]) {
+    let start = slot % lanes;
+    for (ray, out) in ray.chunks(lanes).zip(out.chunks_exact_mut(lanes)) {
+        if ray.len() == lanes {
+            turn(ray, start, out);
+        } else {
+            let (before, behind) = ray.split_at(ray.len().min(lanes - start));
+            out[start..][..before.len()].copy_from_slice(before);
+            out[..behind.len()].copy_from_slice(behind);
+        }
+    }
+}
+
+/// Puts a ray in the lane order of its slot into order of depth.
+#[inline]
+pub fn into_depths<T: Copy>(ray: &[T], lanes: usize, slot: usize, out: &mut [T]) {
+    let start = slot % lanes;
+    for (ray, out) in ray.chunks_exact(lanes).zip(out.chunks_mut(lanes)) {
+        if out.len() == lanes {
+            turn(ray, if start == 0 { 0 } else { lanes - start }, out);
+        } else {
+            let (before, behind) = out.split_at_mut(out.len().min(lanes - start));
+            before.copy_from_slice(&ray[start..][..before.len()]);
+            behind.copy_from_slice(&ray[..behind.len()]);
+        }
+    }
+}
+
 /// The skewed buffers' planes of voxels: a ring, and one more that keeps the first plane. Where slots need their own cells, a
 /// plane holds four voxels for each slot and depth.
+///
+/// The words of a ray are kept side by side, in its lane order: a beam is spread, and a ray, which is read twice, is one piece.
 #[derive(Clone, Debug)]
 pub struct PlaneStore {
     lanes: usize,
+    slots: usize,
+    /// Words of a ray: whole chunks of lanes.
     depths: usize,
-    width: usize,
     /// Voxels of a slot at a depth: one, or the four of the near or far side of its cell.
     copies: usize,
     ring: Vec<Vec<u16>>,
@@ -83,26 +115,31 @@ impl PlaneStore {
     /// `planes` buffers for a geometry, and one for the first plane where the last needs it again.
     pub fn new(geometry: &Geometry, lanes: usize, planes: usize) -> PlaneStore {
         let [slots, _] = geometry.slot_counts();
-        let depths = geometry.size[2];
-        let width = slots.div_ceil(lanes) * lanes;
+        let depths = geometry.size[2].div_ceil(lanes) * lanes;
         let copies = if geometry.doubled() { 4 } else { 1 };
-        let words = width * depths * copies;
+        let words = slots * depths * copies;
         let first = if geometry.closes()[1] { vec![0; words] } else { Vec::new() };
-        PlaneStore { lanes, depths, width, copies, ring: vec![vec![0; words]; planes], first }
+        PlaneStore { lanes, slots, depths, copies, ring: vec![vec![0; words]; planes], first }
     }
 
     /// Writes an aligned beam; none writes a row of zeros.
     pub fn write(&mut self, plane: usize, depth: usize, beam: Option<&[u16]>) {
-        let width = self.width * self.copies;
-        let range = depth * width..(depth + 1) * width;
+        let PlaneStore { lanes, slots, depths, .. } = *self;
+        let (chunk, start) = (depth / lanes * lanes, depth % lanes);
+        let width = slots.div_ceil(lanes) * lanes;
         let place = plane % self.ring.len();
-        match beam {
-            Some(beam) => self.ring[place][range.clone()].copy_from_slice(beam),
-            None => self.ring[place][range.clone()].fill(0),
-        }
-        if plane == 0 && !self.first.is_empty() {
-            let row = &self.ring[place][range.clone()];
-            self.first[range].copy_from_slice(row);
+        let kept = if plane == 0 && !self.first.is_empty() { Some(&mut self.first) } else { None };
+        for buffer in kept.into_iter().chain([&mut self.ring[place]]) {
+            for (copy, buffer) in buffer.chunks_exact_mut(slots * depths).enumerate() {
+                for (first, rays) in buffer.chunks_mut(lanes * depths).enumerate() {
+                    let beam = beam.map(|beam| &beam[copy * width + first * lanes..][..lanes]);
+                    let mut lane = start;
+                    for ray in rays.chunks_exact_mut(depths) {
+                        ray[chunk + lane] = beam.map_or(0, |beam| beam[lane]);
+                        lane = if lane + 1 == lanes { 0 } else { lane + 1 };
+                    }
+                }
+            }
         }
     }
 
@@ -121,25 +158,13 @@ impl PlaneStore {
     /// Appends copy `copy` of ray slot `j`; see [`Rotator::gather`] for their order.
     pub(crate) fn read_copy(&self, plane: usize, kept: bool, j: usize, copy: usize, ray: &mut Vec<u16>) {
         let buffer = if kept { &self.first } else { &self.ring[plane % self.ring.len()] };
-        let start = ray.len();
-        ray.resize(start + self.depths.div_ceil(self.lanes) * self.lanes, 0);
-        let ray = &mut ray[start..];
-        let chunk = j / self.lanes * self.lanes;
-        let mut module = j % self.lanes;
-        let rows = buffer.chunks_exact(self.copies * self.width);
-        let mut rows = rows.map(|row| &row[copy * self.width + chunk..][..self.lanes]);
-        for ray in ray.chunks_mut(self.lanes) {
-            for row in rows.by_ref().take(self.lanes) {
-                ray[module] = row[module];
-                module = if module + 1 == self.lanes { 0 } else { module + 1 };
-            }
-        }
+        ray.extend_from_slice(&buffer[(copy * self.slots + j) * self.depths..][..self.depths]);
     }
 }
 
 impl Archived for PlaneStore {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let PlaneStore { lanes: _, depths: _, width: _, copies: _, ring, first } = self;
+        let PlaneStore { lanes: _, slots: _, depths: _, copies: _, ring, first } = self;
         ring.iter_mut().try_for_each(|plane| archive.list(plane))?;
         archive.list(first)
     }
@@ -161,6 +186,20 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn rays_go_into_lanes_and_back(lanes in 1_usize..40, slot in 0_usize..100, depths in 1_usize..100) {
+            let ray: Vec<usize> = (1..=depths).collect();
+            let mut out = vec![0; depths.div_ceil(lanes) * lanes];
+            into_lanes(&ray, lanes, slot, &mut out);
+            for (k, &word) in ray.iter().enumerate() {
+                prop_assert_eq!(out[ray_lane(lanes, slot, k)], word);
+            }
+            prop_assert_eq!(out.iter().filter(|&&word| word != 0).count(), depths);
+            let mut back = vec![0; depths];
+            into_depths(&out, lanes, slot, &mut back);
+            prop_assert_eq!(back, ray);
+        }
+
         #[test]
         fn beams_are_written_and_rays_read_without_conflict(lanes in 1_usize..20, fixed in 0_usize..100, chunk in 0_usize..4) {
             let start = chunk * lanes;

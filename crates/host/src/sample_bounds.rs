@@ -1,6 +1,7 @@
 //! Which samples of a parallel frame lie in the volume, for whole rays at once.
 
 use crate::{Geometry, RaySlots, Template};
+use cube3_word::BLOCK;
 
 /// For each depth the rays that have a sample in the volume, along u and along v: [`Geometry::has_sample`] of a parallel frame as two
 /// comparisons an axis.
@@ -44,6 +45,27 @@ impl SampleBounds {
         for i in 0..n {
             let ray = rays[i] + by;
             out[i] = -i32::from((ray >= first[i]) & (ray < end[i]));
+        }
+    }
+}
+
+/// Places of [`SampleBounds::bits`]: by −1, 0 and 1 rays, for each of −1, 0 and 1 slices.
+pub const BESIDE: usize = 9;
+
+impl SampleBounds {
+    /// [`SampleBounds::inside`] of all that lies beside the rays of a slot, a bit for each depth in words of [`BLOCK`] bits, the first
+    /// depth the lowest: words `p · ⌈depths / BLOCK⌉` on are those of place `p = 3 (slices + 1) + by + 1`.
+    pub fn bits(&self, axis: usize, rays: &[i32], out: &mut [u16]) {
+        let words = rays.len().div_ceil(BLOCK);
+        for (place, out) in out.chunks_mut(words).enumerate().take(BESIDE) {
+            let (by, slices) = (place as i32 % 3 - 1, place as i32 / 3 - 1);
+            for (first, (rays, out)) in rays.chunks(BLOCK).zip(out).enumerate() {
+                let start = first * BLOCK + (1 + slices) as usize;
+                let (first, end) = (&self.first[axis][start..][..rays.len()], &self.end[axis][start..][..rays.len()]);
+                *out = (0..rays.len())
+                    .map(|i| u16::from((rays[i] + by >= first[i]) & (rays[i] + by < end[i])) << i)
+                    .fold(0, |word, bit| word | bit);
+            }
         }
     }
 }
@@ -98,7 +120,7 @@ mod tests {
     proptest! {
         #[test]
         fn whole_rays_are_inside_where_each_sample_is(
-            size in [1_usize..7, 1_usize..7, 1_usize..12], du in 0.0..=1.0_f64, dv in 0.0..=1.0_f64, part in 0_u32..3,
+            size in [1_usize..7, 1_usize..7, 1_usize..40], du in 0.0..=1.0_f64, dv in 0.0..=1.0_f64, part in 0_u32..3,
             plane_floor: bool, padded: bool, by in [-1_i64..2, -1_i64..2, -1_i64..2],
         ) {
             let rule = if plane_floor { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor };
@@ -116,6 +138,16 @@ mod tests {
                 let (mut in_u, mut in_v) = (vec![0; size[2]], vec![0; size[2]]);
                 bounds.inside(0, &us, by[0] as i32, by[2] as i32, &mut in_u);
                 bounds.inside(1, &vs, by[1] as i32, by[2] as i32, &mut in_v);
+                let words = size[2].div_ceil(BLOCK);
+                for (axis, rays, inside) in [(0, &us, &in_u), (1, &vs, &in_v)] {
+                    let mut bits = vec![0; BESIDE * words];
+                    bounds.bits(axis, rays, &mut bits);
+                    let place = (3 * (by[2] + 1) + by[axis] + 1) as usize;
+                    for k in 0..size[2] {
+                        let bit = bits[place * words + k / BLOCK] >> (k % BLOCK) & 1;
+                        prop_assert_eq!(bit != 0, inside[k] != 0);
+                    }
+                }
                 for k in 0..size[2] {
                     let ray = geometry.ray_in_slot(plane, slot, k);
                     let same = (k..size[2]).take_while(|&k| geometry.ray_in_slot(plane, slot, k) == ray).count();

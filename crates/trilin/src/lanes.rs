@@ -4,7 +4,7 @@
 //! neighbours in memory. A *ray* is all depths of one ray: the weights differ, and neighbours along w are
 //! neighbours in memory. Both give the golden bits.
 
-use cube3_word::{LerpLanes, Words, vectorised};
+use cube3_word::{BLOCK, LerpLanes, Words, vectorised};
 
 /// The interpolator's lanes for a machine's words.
 #[derive(Clone, Copy, Debug)]
@@ -79,28 +79,73 @@ impl TrilinLanes {
         );
     }
 
-    /// The edge of the cells along a whole ray: `out[k] = lerp(ray[k], ray[k + 1], offset)`; the last is lerped with 0,
-    /// which no valid sample uses.
-    pub fn ray_along_w(&self, ray: &[i32], offset: u32, out: &mut [i32]) {
-        let n = out.len();
-        if n == 0 {
-            return;
-        }
-        let lerp = self.lerp;
-        vectorised(
-            #[inline(always)]
-            || lerp.uniform(&ray[..n - 1], &ray[1..n], offset, &mut out[..n - 1]),
-        );
-        out[n - 1] = lerp.one(ray[n - 1], 0, offset);
-    }
-
-    /// A ray lerped with another by the weights of its samples.
-    pub fn ray(&self, near: &[i32], far: &[i32], weights: &[u32], out: &mut [i32]) {
+    /// A row lerped with another by the weights of its samples.
+    pub fn row_by_weights(&self, near: &[i32], far: &[i32], weights: &[u32], out: &mut [i32]) {
         let lerp = self.lerp;
         vectorised(
             #[inline(always)]
             || lerp.varying(near, far, weights, out),
         );
+    }
+
+    /// A whole ray of voxels in the sample format, by depth. `voxels` has whole blocks, and as many words as `out` at least.
+    pub fn lift_ray(&self, voxels: &[u16], out: &mut [i32]) {
+        let lift = self.lift;
+        for (voxels, out) in voxels.as_chunks::<BLOCK>().0.iter().zip(out.as_chunks_mut::<BLOCK>().0) {
+            vectorised(
+                #[inline(always)]
+                || {
+                    for i in 0..BLOCK {
+                        out[i] = i32::from(voxels[i]) << lift;
+                    }
+                },
+            );
+        }
+    }
+
+    /// The edges of the cells along a whole ray: `out[k] = lerp(ray[k], ray[k + 1], offset)`. `out` has whole blocks, and the ray a
+    /// word more at least.
+    pub fn edges(&self, ray: &[i32], offset: u32, out: &mut [i32]) {
+        let (lerp, weights) = (self.lerp, [offset; BLOCK]);
+        for (place, out) in out.as_chunks_mut::<BLOCK>().0.iter_mut().enumerate() {
+            let from = place * BLOCK;
+            if let (Some(near), Some(far)) = (ray[from..].first_chunk(), ray[from + 1..].first_chunk()) {
+                vectorised(
+                    #[inline(always)]
+                    || lerp.block(near, far, &weights, out),
+                );
+            }
+        }
+    }
+
+    /// A ray lerped with another by the weights of its samples. All have whole blocks.
+    pub fn lerps(&self, near: &[i32], far: &[i32], weights: &[u32], out: &mut [i32]) {
+        let lerp = self.lerp;
+        let inputs = near.as_chunks().0.iter().zip(far.as_chunks().0).zip(weights.as_chunks().0);
+        for (((near, far), weights), out) in inputs.zip(out.as_chunks_mut().0) {
+            vectorised(
+                #[inline(always)]
+                || lerp.block(near, far, weights, out),
+            );
+        }
+    }
+
+    /// [`TrilinLanes::lerps`], with 0 where a bit is not set: bits of a block in a word, the first the lowest.
+    pub fn masked_lerps(&self, near: &[i32], far: &[i32], weights: &[u32], bits: &[u16], out: &mut [i32]) {
+        let lerp = self.lerp;
+        let inputs = near.as_chunks().0.iter().zip(far.as_chunks().0).zip(weights.as_chunks().0).zip(bits);
+        for ((((near, far), weights), bits), out) in inputs.zip(out.as_chunks_mut::<BLOCK>().0) {
+            vectorised(
+                #[inline(always)]
+                || {
+                    let mut whole = [0; BLOCK];
+                    lerp.block(near, far, weights, &mut whole);
+                    for i in 0..BLOCK {
+                        out[i] = if bits & (1 << i) == 0 { 0 } else { whole[i] };
+                    }
+                },
+            );
+        }
     }
 }
 
@@ -145,31 +190,44 @@ mod tests {
         #[test]
         fn rows_and_rays_equal_golden(
             voxel_bits in 1_u32..=16, fraction in 0_u32..=8, weight_bits in 0_u32..=12, truncate: bool,
-            seed in proptest::collection::vec(any::<u16>(), 4 * 12), weight_seed in proptest::collection::vec(0.0..=1.0_f64, 23),
+            depth in 2_usize..40,
+            seed in proptest::collection::vec(any::<u16>(), 4 * 40), weight_seed in proptest::collection::vec(0.0..=1.0_f64, 80),
         ) {
             let words = words(voxel_bits, fraction, weight_bits, truncate);
             let lanes = TrilinLanes::new(&words);
             let mask = ((1_u32 << voxel_bits) - 1) as u16;
             let one = f64::from(1_u32 << weight_bits);
             let weight = |i: usize| (weight_seed[i] * one).round() as u32;
-            let depth = 12;
-            let ray = |r: usize| -> Vec<i32> { seed[r * depth..(r + 1) * depth].iter().map(|&v| lift(v & mask, &words)).collect() };
+            let room = depth.div_ceil(BLOCK) * BLOCK;
+            let ray = |r: usize| {
+                let mut voxels: Vec<u16> = seed[r * depth..(r + 1) * depth].iter().map(|&voxel| voxel & mask).collect();
+                voxels.resize(room + BLOCK, 0);
+                let mut ray = vec![0; room + BLOCK];
+                lanes.lift_ray(&voxels, &mut ray);
+                ray
+            };
             let rays = [[ray(0), ray(1)], [ray(2), ray(3)]];
             let offset = weight(0);
-            let weights_u: Vec<u32> = (0..depth - 1).map(|k| weight(1 + k)).collect();
-            let weights_v: Vec<u32> = (0..depth - 1).map(|k| weight(12 + k % 11)).collect();
-            let mut edges = vec![vec![vec![0; depth]; 2]; 2];
+            let row = |first: usize| (0..room).map(|k| if k < depth - 1 { weight(first + k) } else { 0 }).collect();
+            let (weights_u, weights_v): (Vec<u32>, Vec<u32>) = (row(1), row(depth));
+            let mut edges = vec![vec![vec![0; room]; 2]; 2];
             for v in 0..2 {
                 for u in 0..2 {
-                    lanes.ray_along_w(&rays[v][u], offset, &mut edges[v][u]);
+                    lanes.edges(&rays[v][u], offset, &mut edges[v][u]);
                 }
             }
-            let mut sides = vec![vec![0; depth - 1]; 2];
+            let mut sides = vec![vec![0; room]; 2];
             for v in 0..2 {
-                lanes.ray(&edges[v][0], &edges[v][1], &weights_u, &mut sides[v]);
+                lanes.lerps(&edges[v][0], &edges[v][1], &weights_u, &mut sides[v]);
             }
-            let mut samples = vec![0; depth - 1];
-            lanes.ray(&sides[0], &sides[1], &weights_v, &mut samples);
+            let mut samples = vec![0; room];
+            lanes.lerps(&sides[0], &sides[1], &weights_v, &mut samples);
+            let bits: Vec<u16> = seed[..room / BLOCK].to_vec();
+            let mut masked = vec![0; room];
+            lanes.masked_lerps(&sides[0], &sides[1], &weights_v, &bits, &mut masked);
+            for (k, &word) in masked.iter().enumerate() {
+                prop_assert_eq!(word, if bits[k / BLOCK] >> (k % BLOCK) & 1 == 0 { 0 } else { samples[k] });
+            }
             for k in 0..depth - 1 {
                 let corners = [0, 1].map(|w| [0, 1].map(|v| [0, 1].map(|u: usize| rays[v][u][k + w])));
                 let weights = Weights { w: offset, u: weights_u[k], v: weights_v[k] };

@@ -9,10 +9,9 @@
 use crate::lanes::TrilinLanes;
 use bitvec::prelude::*;
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
-use cube3_dsb::golden::{ray_lane, ray_pieces};
-use cube3_dsb::{RayPair, RayVoxels};
-use cube3_host::{Fan, FrameSetup, Geometry, MachineSpec, Reuse, SampleBounds};
-use cube3_word::vectorised;
+use cube3_dsb::{RayPair, RayVoxels, into_depths};
+use cube3_host::{BESIDE, FrameSetup, Geometry, MachineSpec, Perspective, Reuse, SampleBounds};
+use cube3_word::BLOCK;
 use serde::{Deserialize, Serialize};
 
 /// A slot of continuous rays.
@@ -28,13 +27,14 @@ pub struct SampleRay<D> {
     pub data: D,
 }
 
-/// The samples of a ray slot, in lane order.
+/// The samples of a ray slot in order of depth, filled up to whole blocks. From here on each lane works for itself: the sample at
+/// depth k is in lane `(slot + k) mod lanes`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RaySamples {
     /// Sample words; 0 where there is none.
     pub samples: Vec<i32>,
-    /// Which lanes hold a sample of the volume.
-    pub present: BitVec,
+    /// Which of them are samples of the volume.
+    pub present: BitVec<u16>,
 }
 
 /// The interpolators' arithmetic, or nothing where only time counts.
@@ -72,13 +72,30 @@ impl Archived for NoSamples {
     }
 }
 
-/// A discrete ray slot of one plane as an interpolator holds it, in order of depth.
+/// A discrete ray slot of one plane as an interpolator holds it, in order of depth. Rows are filled up with zeros to whole blocks,
+/// and one more behind the voxels.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Held {
-    /// Lifted voxels.
+    /// Lifted voxels; where slots have their own cells, of two rays one after the other.
     voxels: Vec<i32>,
     /// Voxels lerped along w, where they are kept.
     edges: Vec<i32>,
+}
+
+impl Held {
+    fn new(rays: usize, row: usize) -> Held {
+        Held { voxels: vec![0; rays * (row + BLOCK)], edges: vec![0; row] }
+    }
+
+    fn copy(&mut self, other: &Held) {
+        self.voxels.copy_from_slice(&other.voxels);
+        self.edges.copy_from_slice(&other.edges);
+    }
+
+    fn clear(&mut self) {
+        self.voxels.fill(0);
+        self.edges.fill(0);
+    }
 }
 
 /// The interpolators with their registers.
@@ -87,6 +104,8 @@ pub struct Interpolator {
     lanes: usize,
     arithmetic: TrilinLanes,
     reuse: Reuse,
+    /// Words of a row: the depths, filled up to whole blocks.
+    row: usize,
     /// The first pair of the plane, the pair before, and the newest: current plane and the one below.
     first: [Held; 2],
     before: [Held; 2],
@@ -94,38 +113,107 @@ pub struct Interpolator {
     /// Lerps along u of the plane below, for each slot: those of the current plane next time.
     sides: Vec<Vec<i32>>,
     lerps: u64,
-    scratch: [Vec<i32>; 3],
-    /// Which rays of a parallel frame lie in the volume at each depth; the rays of a slot, and which of its samples do, along u and along v.
-    bounds: Option<SampleBounds>,
-    rays: Vec<i32>,
-    inside: [Vec<i32>; 2],
+    /// Weights along u and v by depth; in perspective those of the ray in hand.
+    weights: [Vec<u32>; 2],
+    /// Of a parallel frame, which samples lie in the volume: along u for every slot, and along v for the plane in hand.
+    bounds: Option<Bounds>,
+    /// Rows in hand, for their memory.
+    rows: Rows,
+}
+
+/// Which samples of a parallel frame lie in the volume: a bit for each depth.
+#[derive(Clone, Debug)]
+struct Bounds {
+    bounds: SampleBounds,
+    along_u: Vec<u16>,
+    along_v: Vec<u16>,
     /// The plane that the latter is for.
-    placed: Option<usize>,
-    /// Lerps along u of a slot: their memory.
+    plane: Option<usize>,
+    rays: Vec<i32>,
+    /// Places beside the rays too, of which the middle one counts.
+    beside: Vec<u16>,
+}
+
+impl Bounds {
+    fn new(geometry: &Geometry) -> Option<Bounds> {
+        let bounds = SampleBounds::new(geometry)?;
+        let words = geometry.size[2].div_ceil(BLOCK);
+        let [slots, _] = geometry.slot_counts();
+        let mut new = Bounds {
+            bounds,
+            along_u: vec![0; slots * words],
+            along_v: vec![0; words],
+            plane: None,
+            rays: Vec::new(),
+            beside: vec![0; BESIDE * words],
+        };
+        for slot in 0..slots {
+            new.aim(geometry, 0, slot);
+            new.along_u[slot * words..][..words].copy_from_slice(&new.beside[BESIDE / 2 * words..][..words]);
+        }
+        Some(new)
+    }
+
+    fn aim(&mut self, geometry: &Geometry, axis: usize, slot: usize) {
+        geometry.rays_along(axis, slot, &mut self.rays);
+        self.bounds.bits(axis, &self.rays, &mut self.beside);
+    }
+
+    /// Makes ready for a plane.
+    fn aim_plane(&mut self, geometry: &Geometry, plane: usize) {
+        if self.plane != Some(plane) {
+            self.aim(geometry, 1, plane);
+            let words = self.along_v.len();
+            self.along_v.copy_from_slice(&self.beside[BESIDE / 2 * words..][..words]);
+            self.plane = Some(plane);
+        }
+    }
+}
+
+/// Rows of a slot, filled up to whole blocks.
+#[derive(Clone, Debug, Default)]
+struct Rows {
+    /// Voxels in order of depth, one block more.
+    words: Vec<u16>,
+    edges: [Vec<i32>; 2],
+    /// Lerps along u of the current plane and of the one below.
     lerped: [Vec<i32>; 2],
 }
 
 impl Interpolator {
     /// Interpolators for a frame.
     pub fn new(setup: &FrameSetup, lanes: usize) -> Interpolator {
+        let geometry = &setup.geometry;
         let keeps_planes = matches!(setup.reuse, Reuse::Plane | Reuse::Both);
-        let [slots, _] = setup.geometry.slot_counts();
-        let empty = || [Held::default(), Held::default()];
+        let [slots, _] = geometry.slot_counts();
+        let row = geometry.size[2].div_ceil(BLOCK) * BLOCK;
+        let rays = if geometry.doubled() { 2 } else { 1 };
+        let held = || [Held::new(rays, row), Held::new(rays, row)];
+        let empty = || vec![0; row];
+        let mut weights = [vec![0; row], vec![0; row]];
+        if geometry.perspective.is_none() {
+            for (row, template) in weights.iter_mut().zip([&geometry.u, &geometry.v]) {
+                let depths = row.len().min(template.weights.len());
+                row[..depths].copy_from_slice(&template.weights[..depths]);
+            }
+        }
         Interpolator {
             lanes,
             arithmetic: TrilinLanes::new(&setup.words),
             reuse: setup.reuse,
-            first: empty(),
-            before: empty(),
-            newest: empty(),
-            sides: vec![Vec::new(); if keeps_planes { slots } else { 0 }],
+            row,
+            first: held(),
+            before: held(),
+            newest: held(),
+            sides: vec![empty(); if keeps_planes { slots } else { 0 }],
             lerps: 0,
-            scratch: Default::default(),
-            bounds: SampleBounds::new(&setup.geometry),
-            rays: Vec::new(),
-            inside: Default::default(),
-            placed: None,
-            lerped: Default::default(),
+            weights,
+            bounds: Bounds::new(geometry),
+            rows: Rows {
+                words: vec![0; row + BLOCK],
+                edges: [empty(), empty()],
+                lerped: [empty(), empty()],
+            },
         }
     }
 
@@ -138,54 +226,38 @@ impl Interpolator {
         matches!(self.reuse, Reuse::Ray | Reuse::Both)
     }
 
-    /// The edges of a held ray: kept, or lerped again.
-    fn edges(&mut self, held: &Held, offset: u32, out: &mut Vec<i32>) {
-        out.clear();
-        if self.keeps_rays() {
-            out.extend_from_slice(&held.edges);
-        } else {
-            out.resize(held.voxels.len(), 0);
-            self.arithmetic.ray_along_w(&held.voxels, offset, out);
-            self.lerps += 1;
+    /// The lerp along u of one plane (0 current, 1 below) between the ray before and the newest.
+    fn side(&mut self, offset: u32, plane: usize) {
+        let Interpolator { arithmetic, before, newest, weights, rows, .. } = self;
+        let Rows { edges: [left, right], lerped, .. } = rows;
+        let (mut near, mut far) = (before[plane].edges.as_slice(), newest[plane].edges.as_slice());
+        if !matches!(self.reuse, Reuse::Ray | Reuse::Both) {
+            arithmetic.edges(&before[plane].voxels, offset, left);
+            arithmetic.edges(&newest[plane].voxels, offset, right);
+            (near, far) = (left, right);
+            self.lerps += 2;
         }
-    }
-
-    /// The lerp along u of one plane (0 current, 1 below) between the ray before, of slot `slot`, and the newest.
-    fn side(&mut self, setup: &FrameSetup, plane: usize, slot: usize, out: &mut Vec<i32>) {
-        let [mut left, mut right, rest] = std::mem::take(&mut self.scratch);
-        let (before, newest) = (std::mem::take(&mut self.before[plane]), std::mem::take(&mut self.newest[plane]));
-        self.edges(&before, setup.geometry.offset, &mut left);
-        self.edges(&newest, setup.geometry.offset, &mut right);
-        self.before[plane] = before;
-        self.newest[plane] = newest;
-        out.clear();
-        out.resize(left.len(), 0);
-        match &setup.geometry.perspective {
-            None => self.arithmetic.ray(&left, &right, &setup.geometry.u.weights, out),
-            Some(pass) => self.arithmetic.ray(&left, &right, &of_ray(&pass.u, slot, left.len()), out),
-        }
+        arithmetic.lerps(near, far, &weights[0], &mut lerped[plane]);
         self.lerps += 1;
-        self.scratch = [left, right, rest];
     }
 
     /// The lerp along u of one plane in the cell that the ray before has for itself: its voxels are those of both columns.
-    fn cell_side(&mut self, setup: &FrameSetup, plane: usize, weights: &[u32], out: &mut Vec<i32>) {
-        let depths = setup.geometry.size[2];
-        let voxels = &self.before[plane].voxels;
-        let mut edges = [vec![0; depths], vec![0; depths]];
-        for (edge, voxels) in edges.iter_mut().zip(voxels.chunks(depths)) {
-            self.arithmetic.ray_along_w(voxels, setup.geometry.offset, edge);
+    fn cell_side(&mut self, offset: u32, plane: usize) {
+        let Interpolator { arithmetic, before, weights, rows, .. } = self;
+        let Rows { edges, lerped, .. } = rows;
+        for (edges, voxels) in edges.iter_mut().zip(before[plane].voxels.chunks(self.row + BLOCK)) {
+            arithmetic.edges(voxels, offset, edges);
         }
-        out.clear();
-        out.resize(depths, 0);
-        self.arithmetic.ray(&edges[0], &edges[1], weights, out);
+        arithmetic.lerps(&edges[0], &edges[1], &weights[0], &mut lerped[plane]);
         self.lerps += 3;
     }
-}
 
-/// The weights of one ray of a fan, by its index, in order of depth.
-fn of_ray(fan: &Fan, i: usize, depths: usize) -> Vec<u32> {
-    (0..depths).map(|k| fan.weight(i, k)).collect()
+    /// Takes the weights of a slot of a perspective frame.
+    fn aim(&mut self, pass: &Perspective, plane: usize, slot: usize, depths: usize) {
+        for (weights, (fan, i)) in self.weights.iter_mut().zip([(&pass.u, slot), (&pass.v, plane)]) {
+            weights[..depths].iter_mut().enumerate().for_each(|(k, weight)| *weight = fan.weight(i, k));
+        }
+    }
 }
 
 impl Interpolate for Interpolator {
@@ -194,29 +266,29 @@ impl Interpolate for Interpolator {
 
     fn take(&mut self, setup: &FrameSetup, pair: &mut RayPair<RayVoxels>) {
         let depths = setup.geometry.size[2];
+        let doubled = setup.geometry.doubled();
         std::mem::swap(&mut self.before, &mut self.newest);
         let slot = pair.slot as usize;
-        let current_needed = !matches!(self.reuse, Reuse::Plane | Reuse::Both) || pair.plane == 0;
+        let keeps_rays = self.keeps_rays();
+        // Where lerps of planes are kept, those of the current one have been made already.
+        let current_needed = self.sides.is_empty() || pair.plane == 0;
         for (i, ray) in [&pair.data.current, &pair.data.below].into_iter().enumerate() {
-            let held = &mut self.newest[i];
-            held.voxels.clear();
-            for ray in ray.chunks(depths.div_ceil(self.lanes) * self.lanes) {
-                for piece in ray_pieces(ray, self.lanes, slot, depths) {
-                    held.voxels.extend(piece.iter().map(|&word| i32::from(word) << setup.words.sample_fraction_bits));
-                }
-            }
-            if setup.geometry.doubled() {
+            if i == 0 && !current_needed {
                 continue;
             }
-            if matches!(self.reuse, Reuse::Ray | Reuse::Both) && (i == 1 || current_needed) {
-                held.edges.clear();
-                held.edges.resize(depths, 0);
-                self.arithmetic.ray_along_w(&held.voxels, setup.geometry.offset, &mut held.edges);
+            let (held, words) = (&mut self.newest[i], &mut self.rows.words);
+            let rays = ray.chunks(depths.div_ceil(self.lanes) * self.lanes);
+            for (ray, voxels) in rays.zip(held.voxels.chunks_mut(self.row + BLOCK)) {
+                into_depths(ray, self.lanes, slot, &mut words[..depths]);
+                self.arithmetic.lift_ray(words, voxels);
+            }
+            if keeps_rays && !doubled {
+                self.arithmetic.edges(&held.voxels, setup.geometry.offset, &mut held.edges);
                 self.lerps += 1;
             }
         }
         if slot == 0 {
-            self.first = self.newest.clone();
+            self.first.iter_mut().zip(&self.newest).for_each(|(first, newest)| first.copy(newest));
         }
     }
 
@@ -224,102 +296,60 @@ impl Interpolate for Interpolator {
         let geometry = &setup.geometry;
         let [slots, _] = geometry.slot_counts();
         if slot + 1 == slots {
-            let next = if geometry.closes()[0] {
-                self.first.clone()
-            } else {
-                let nothing = Held { voxels: vec![0; geometry.size[2]], edges: vec![0; geometry.size[2]] };
-                [nothing.clone(), nothing]
-            };
             // The newest pair is the last of the plane: it becomes the one before.
-            self.before = std::mem::replace(&mut self.newest, next);
+            std::mem::swap(&mut self.before, &mut self.newest);
+            for (newest, first) in self.newest.iter_mut().zip(&self.first) {
+                if geometry.closes()[0] {
+                    newest.copy(first);
+                } else {
+                    newest.clear();
+                }
+            }
         }
-        let [mut current, mut below] = std::mem::take(&mut self.lerped);
         let keeps_planes = !self.sides.is_empty();
-        if let Some(pass) = geometry.perspective.as_ref().filter(|pass| pass.doubled) {
-            let weights = of_ray(&pass.u, slot, geometry.size[2]);
-            self.cell_side(setup, 0, &weights, &mut current);
-            self.cell_side(setup, 1, &weights, &mut below);
+        if let Some(pass) = &geometry.perspective {
+            self.aim(pass, plane, slot, geometry.size[2]);
+        }
+        if geometry.doubled() {
+            self.cell_side(geometry.offset, 0);
+            self.cell_side(geometry.offset, 1);
         } else {
             if keeps_planes && plane > 0 {
-                std::mem::swap(&mut current, &mut self.sides[slot]);
+                std::mem::swap(&mut self.rows.lerped[0], &mut self.sides[slot]);
             } else {
-                self.side(setup, 0, slot, &mut current);
+                self.side(geometry.offset, 0);
             }
-            self.side(setup, 1, slot, &mut below);
+            self.side(geometry.offset, 1);
         }
-        let mut samples = std::mem::take(&mut self.scratch[2]);
-        samples.clear();
-        samples.resize(geometry.size[2], 0);
-        match &geometry.perspective {
-            None => self.arithmetic.ray(&current, &below, &geometry.v.weights, &mut samples),
-            Some(pass) => {
-                self.arithmetic.ray(&current, &below, &of_ray(&pass.v, plane, geometry.size[2]), &mut samples);
-            }
+        if output.samples.len() != self.row {
+            output.samples = vec![0; self.row];
+            output.present = BitVec::repeat(false, self.row);
         }
+        let Rows { lerped: [current, below], .. } = &mut self.rows;
+        let inside = output.present.as_raw_mut_slice();
+        Self::inside(&mut self.bounds, geometry, plane, slot, inside);
+        self.arithmetic.masked_lerps(current, below, &self.weights[1], inside, &mut output.samples);
         self.lerps += 1;
         if keeps_planes {
-            std::mem::swap(&mut self.sides[slot], &mut below);
+            std::mem::swap(&mut self.sides[slot], below);
         }
-        self.lerped = [current, below];
-        self.place(geometry, plane, slot, &samples, output);
-        self.scratch[2] = samples;
     }
 }
 
 impl Interpolator {
-    /// Puts samples into lane order, with a mask of those that lie in the volume.
-    fn place(&mut self, geometry: &Geometry, plane: usize, slot: usize, samples: &[i32], output: &mut RaySamples) {
-        let width = samples.len().div_ceil(self.lanes) * self.lanes;
-        if let Some(bounds) = &self.bounds {
-            let depths = samples.len();
-            if self.placed != Some(plane) {
-                geometry.rays_along(1, plane, &mut self.rays);
-                self.inside[1].resize(depths, 0);
-                bounds.inside(1, &self.rays, 0, 0, &mut self.inside[1]);
-                self.placed = Some(plane);
+    /// Which samples of a slot lie in the volume.
+    fn inside(bounds: &mut Option<Bounds>, geometry: &Geometry, plane: usize, slot: usize, out: &mut [u16]) {
+        if let Some(bounds) = bounds {
+            bounds.aim_plane(geometry, plane);
+            let along_u = &bounds.along_u[slot * out.len()..];
+            for ((out, along_u), along_v) in out.iter_mut().zip(along_u).zip(&bounds.along_v) {
+                *out = along_u & along_v;
             }
-            geometry.rays_along(0, slot, &mut self.rays);
-            let [inside_u, inside_v] = &mut self.inside;
-            inside_u.resize(depths, 0);
-            let rays = &self.rays;
-            vectorised(
-                #[inline(always)]
-                || {
-                    bounds.inside(0, rays, 0, 0, inside_u);
-                    for (inside, &along_v) in inside_u.iter_mut().zip(&*inside_v) {
-                        *inside &= along_v;
-                    }
-                },
-            );
-            output.samples.resize(width, 0);
-            output.present.resize(width, false);
-            let words = output.present.as_raw_mut_slice();
-            words.fill(0);
-            for (chunk, (samples, inside)) in samples.chunks(self.lanes).zip(inside_u.chunks(self.lanes)).enumerate() {
-                let first = chunk * self.lanes;
-                let lanes = &mut output.samples[first..first + self.lanes];
-                if samples.len() < lanes.len() {
-                    lanes.fill(0);
-                }
-                let mut lane = slot % self.lanes;
-                for (&sample, &inside) in samples.iter().zip(inside) {
-                    lanes[lane] = sample & inside;
-                    let bit = first + lane;
-                    words[bit / usize::BITS as usize] |= ((inside & 1) as usize) << (bit % usize::BITS as usize);
-                    lane = if lane + 1 == self.lanes { 0 } else { lane + 1 };
-                }
-            }
-            return;
-        }
-        output.samples.clear();
-        output.samples.resize(width, 0);
-        output.present.clear();
-        output.present.resize(width, false);
-        for (k, &sample) in samples.iter().enumerate() {
-            if geometry.has_sample(geometry.ray_in_slot(plane, slot, k), k as i64) {
-                let lane = ray_lane(self.lanes, slot, k);
-                output.samples[lane] = sample;
-                output.present.set(lane, true);
+        } else {
+            out.fill(0);
+            for k in 0..geometry.size[2] {
+                let there = geometry.has_sample(geometry.ray_in_slot(plane, slot, k), k as i64);
+                out[k / BLOCK] |= u16::from(there) << (k % BLOCK);
             }
         }
     }
@@ -462,17 +492,15 @@ impl Archived for Interpolator {
             lanes: _,
             arithmetic: _,
             reuse: _,
+            row: _,
             first,
             before,
             newest,
             sides,
             lerps,
-            scratch: _,
+            weights: _,
             bounds: _,
-            rays: _,
-            inside: _,
-            placed: _,
-            lerped: _,
+            rows: _,
         } = self;
         archive.item(first)?;
         archive.item(before)?;

@@ -11,6 +11,55 @@ pub fn vectorised<R>(work: impl FnOnce() -> R) -> R {
     pulp::Arch::new().dispatch(work)
 }
 
+/// Lanes of a block: as many words of 32 bits as the widest vectors hold. Loops over the lanes of a block have no rest.
+pub const BLOCK: usize = 16;
+
+/// A word for each lane of a block.
+pub type Block<T> = [T; BLOCK];
+
+/// The lanes of a row from `from` on, which is not beyond its end; lanes that it lacks hold zeros.
+#[inline(always)]
+pub fn block<T: Copy + Default>(row: &[T], from: usize) -> Block<T> {
+    let row = &row[from..];
+    if let Some(block) = row.first_chunk() {
+        return *block;
+    }
+    let mut block = [T::default(); BLOCK];
+    block[..row.len()].copy_from_slice(row);
+    block
+}
+
+/// Puts a block into the lanes of a row from `from` on, which is not beyond its end; lanes that it lacks are dropped.
+#[inline(always)]
+pub fn put_block<T: Copy>(block: &Block<T>, row: &mut [T], from: usize) {
+    let row = &mut row[from..];
+    if let Some(lanes) = row.first_chunk_mut() {
+        *lanes = *block;
+    } else {
+        row.copy_from_slice(&block[..row.len()]);
+    }
+}
+
+/// A ring of lanes, turned by less than its length: what was in lane l is in `(l + by) mod n`. Both rows have n words.
+#[inline]
+pub fn turn<T: Copy>(from: &[T], by: usize, to: &mut [T]) {
+    #[inline]
+    fn fixed<T: Copy, const N: usize>(from: &[T], by: usize, to: &mut [T]) {
+        if let (Ok(from), Ok(to)) = (<&[T; N]>::try_from(from), <&mut [T; N]>::try_from(to)) {
+            to.copy_from_slice(&[*from; 2].as_flattened()[N - by..][..N]);
+        }
+    }
+    match from.len() {
+        8 => fixed::<T, 8>(from, by, to),
+        16 => fixed::<T, 16>(from, by, to),
+        32 => fixed::<T, 32>(from, by, to),
+        n => {
+            to[by..].copy_from_slice(&from[..n - by]);
+            to[..by].copy_from_slice(&from[n - by..]);
+        }
+    }
+}
+
 /// [`lerp`](crate::lerp) of whole rows: weights of `fraction_bits`, one rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LerpLanes {
@@ -59,6 +108,20 @@ impl LerpLanes {
                 for i in 0..n {
                     out[i] = self.wide(near[i], far[i], weight);
                 }
+            }
+        }
+    }
+
+    /// `out[i] = lerp(near[i], far[i], weights[i])` of a block.
+    #[inline(always)]
+    pub fn block(self, near: &Block<i32>, far: &Block<i32>, weights: &Block<u32>, out: &mut Block<i32>) {
+        if self.narrow {
+            for i in 0..BLOCK {
+                out[i] = self.narrow(near[i], far[i], weights[i] as i32);
+            }
+        } else {
+            for i in 0..BLOCK {
+                out[i] = self.wide(near[i], far[i], weights[i] as i32);
             }
         }
     }

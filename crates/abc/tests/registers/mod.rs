@@ -299,7 +299,9 @@ pub fn hosted_frame(dice: &mut Dice) -> FrameSetup {
     let words = words(dice);
     let words = Words { table_gradient_bits: words.table_gradient_bits.min(3), ..words };
     let machine = machine(dice, words);
-    let dims = [0; 3].map(|_| dice.within(1, 9) as usize);
+    // At times one side of more than a block.
+    let (longest, long) = (dice.within(0, 9), dice.within(10, 40) as usize);
+    let dims = [0, 1, 2].map(|i| if i == longest { long } else { dice.within(1, 9) as usize });
     let scene = scene(dice, dims);
     let volume = VolumeInfo { dims, spacing: [0; 3].map(|_| dice.real(0.5, 3.0)), window: [0.0, 255.0] };
     frame_setup(&scene, &machine, &volume, dice.one_in(2)).unwrap().setup

@@ -4,7 +4,7 @@ use super::contents::{colour, colours, words};
 use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Table, Tables, Unit, Wire, word_formats};
 use cube3_abc::golden::TableAddresses;
-use cube3_abc::lanes::{ClassifyLanes, ShadedRow};
+use cube3_abc::lanes::{ClassifyLanes, ShadedBlock};
 use cube3_host::{Classification, GradientRows};
 use cube3_word::unit_full;
 
@@ -150,17 +150,17 @@ impl Unit for Classify {
             colour: tables[1].iter().map(|&entry| colour(entry, words.colour_bits)).collect(),
             gradient_rows: None,
         };
-        let mut out = ShadedRow::default();
+        let mut out = ShadedBlock::default();
         let mut answer = |line: &Vec<i128>| {
             let line = Line::new(line);
             table.threshold = line.threshold;
             table.gradient_rows =
                 (format.rows > 1).then_some(GradientRows { shift: line.row_shift, rows: format.rows });
             let lanes = ClassifyLanes::new(&table);
-            let class: &[u32] = if format.classes > 1 { &[line.class] } else { &[] };
-            (out.present, out.opacity, out.colour) = (vec![1], vec![0], [0; 3].map(|zero| vec![zero]));
-            lanes.opacity(1, &[line.sample], &[line.magnitude], class, &mut out);
-            lanes.colour(0, 1, &[line.sample], &mut out);
+            out.present[0] = 1;
+            let first = |word| std::array::from_fn(|lane| if lane == 0 { word } else { 0 });
+            let samples = first(line.sample as u32).map(|word| word as i32);
+            cube3_word::vectorised(|| lanes.block(&samples, &first(line.magnitude), &first(line.class), &mut out));
             let visible = out.present[0] != 0;
             // A sample that does not take part has no colour: the lanes clear it with the transparent ones, behind the light.
             self::answer(visible, out.opacity[0], [0, 1, 2].map(|i| if visible { out.colour[i][0] } else { 0 }))

@@ -5,7 +5,8 @@ use super::lerp_wires;
 use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire, word_formats};
 use cube3_abc::golden::{Local, local_gradient_wires};
-use cube3_abc::lanes::{GradientLanes, LocalRows};
+use cube3_abc::lanes::{Around, GradientLanes, LocalBlock};
+use cube3_word::{BLOCK, Block};
 use cube3_host::{GradientMethod, GradientRegisters, GradientScale};
 
 /// The gradient of one estimator.
@@ -259,36 +260,36 @@ impl Gradient {
             let Some(first) = run.first().map(|&line| &lines[line].local) else { continue };
             let parallel = self.is_ten() || is_parallel(first);
             let lanes = GradientLanes::new(self.registers(first, format), &format.words);
-            let rows: Vec<Vec<i32>> =
-                (0..27).map(|place| run.iter().map(|&line| lines[line].samples[place]).collect()).collect();
             let turn = |i: usize, mirrored: bool| if mirrored { 2 - i } else { i };
-            let neighbour = |w: usize, v: usize, u: usize| {
-                rows[w * 9 + turn(v, first.mirrored[1]) * 3 + turn(u, first.mirrored[0])].as_slice()
-            };
-            let mut out = [(); 3].map(|()| vec![0; run.len()]);
-            let mut overflow = vec![0; run.len()];
-            let [u, v, w] = &mut out;
-            if parallel {
-                cube3_word::vectorised(|| lanes.run(0, neighbour, [u, v, w], &mut overflow));
-            } else {
-                let weights = |of: fn(&Local) -> [u32; 2]| {
-                    [0, 1].map(|i| run.iter().map(|&line| of(&lines[line].local)[i] as i32).collect())
+            for part in run.chunks(BLOCK) {
+                let words = |of: &dyn Fn(&Line) -> i32| -> Block<i32> {
+                    std::array::from_fn(|lane| part.get(lane).map_or(0, |&line| of(&lines[line])))
                 };
-                let local = LocalRows {
-                    here: weights(|local| local.here),
-                    behind: weights(|local| local.behind),
-                    before: weights(|local| local.before),
-                    factors: [0, 1, 2].map(|i| {
-                        run.iter().map(|&line| lines[line].local.factors.map_or(0, |f| f[i] as i32)).collect()
-                    }),
-                    nearness: Some(run.iter().map(|&line| lines[line].local.nearness.unwrap_or(ONE)).collect()),
-                };
-                cube3_word::vectorised(|| {
-                    lanes.run_local(0, neighbour, &local, first.mirrored, [u, v, w], &mut overflow)
+                let around: Around = std::array::from_fn(|place| {
+                    let [w, v, u] = [place / 9, place / 3 % 3, place % 3];
+                    let place = w * 9 + turn(v, first.mirrored[1]) * 3 + turn(u, first.mirrored[0]);
+                    words(&|line| line.samples[place])
                 });
-            }
-            for (lane, &line) in run.iter().enumerate() {
-                all[line] = ([out[0][lane], out[1][lane], out[2][lane]], overflow[lane]);
+                let (mut out, mut overflow) = ([[0; BLOCK]; 3], [0; BLOCK]);
+                if parallel {
+                    cube3_word::vectorised(|| lanes.run(&around, &mut out, &mut overflow));
+                } else {
+                    let weights = |of: fn(&Local) -> [u32; 2]| [0, 1].map(|i| words(&|line| of(&line.local)[i] as i32));
+                    let nearness = words(&|line| line.local.nearness.unwrap_or(ONE) as i32);
+                    let local = LocalBlock {
+                        here: weights(|local| local.here),
+                        behind: weights(|local| local.behind),
+                        before: weights(|local| local.before),
+                        factors: [0, 1, 2].map(|i| words(&|line| line.local.factors.map_or(0, |f| f[i] as i32))),
+                        nearness: Some(nearness.map(|word| word as u32)),
+                    };
+                    cube3_word::vectorised(|| {
+                        lanes.run_local(&around, &local, first.mirrored, &mut out, &mut overflow)
+                    });
+                }
+                for (lane, &line) in part.iter().enumerate() {
+                    all[line] = ([out[0][lane], out[1][lane], out[2][lane]], overflow[lane]);
+                }
             }
         }
         all

@@ -5,6 +5,7 @@ use crate::unit::Reader;
 use crate::{Format, Port, Recorder, Sheet, Tables, Unit};
 use cube3_trilin::golden::{Weights, cell_wires, lift};
 use cube3_trilin::lanes::TrilinLanes;
+use cube3_word::BLOCK;
 
 /// TRILIN.
 pub struct Trilin;
@@ -53,17 +54,25 @@ impl Unit for Trilin {
                     lanes.row_along_w(&[line[edge] as u16], &[line[4 + edge] as u16], line[8] as u32, &mut out);
                     out[0]
                 };
-                lines.iter().map(along_w).collect()
+                let mut row: Vec<i32> = lines.iter().map(along_w).collect();
+                row.resize(lines.len().next_multiple_of(BLOCK), 0);
+                row
             })
             .collect();
-        let weights = |i: usize| lines.iter().map(|line| line[i] as u32).collect::<Vec<u32>>();
+        // Rows have whole blocks.
+        let room = lines.len().next_multiple_of(BLOCK);
+        let weights = |i: usize| {
+            let mut row: Vec<u32> = lines.iter().map(|line| line[i] as u32).collect();
+            row.resize(room, 0);
+            row
+        };
         let row = |near: &[i32], far: &[i32], weights: &[u32]| {
-            let mut out = vec![0; lines.len()];
-            lanes.ray(near, far, weights, &mut out);
+            let mut out = vec![0; room];
+            lanes.lerps(near, far, weights, &mut out);
             out
         };
         let along_u = weights(9);
         let (above, below) = (row(&edges[0], &edges[1], &along_u), row(&edges[2], &edges[3], &along_u));
-        Some(row(&above, &below, &weights(10)).into_iter().map(|sample| vec![sample.into()]).collect())
+        Some(row(&above, &below, &weights(10))[..lines.len()].iter().map(|&sample| vec![sample.into()]).collect())
     }
 }
