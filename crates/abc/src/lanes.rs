@@ -14,6 +14,7 @@ use cube3_host::{
     Phong, PhongLight, ReflectanceTable, Shading,
 };
 use cube3_word::{BLOCK, Block, Shift, Words, block, put_block, unit_full, vectorised};
+use serde::{Deserialize, Serialize};
 
 pub use crate::perspective::LocalBlock;
 
@@ -39,17 +40,38 @@ pub struct ShadedRow {
     pub overflows: u64,
 }
 
-/// A block of shaded samples; see [`ShadedRow`].
-#[derive(Clone, Debug, Default)]
+/// A block of shaded samples: a word for each part of [`golden::Shaded`] and lane.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ShadedBlock {
-    /// 1 where the sample takes part, 0 where not. Set before, cleared where a sample is outside of the threshold.
+    /// 1 where the sample takes part, 0 where not. To be shaded, where it is in the volume.
     pub present: Block<u32>,
+    /// Sample words.
+    pub samples: Block<i32>,
     /// Opacity.
     pub opacity: Block<u32>,
     /// Red, green, blue; 0 where the opacity is.
     pub colour: [Block<u32>; 3],
-    /// Saturated words.
-    pub overflows: u32,
+}
+
+impl ShadedBlock {
+    /// The sample of a lane.
+    #[inline]
+    pub fn at(&self, lane: usize) -> golden::Shaded {
+        golden::Shaded {
+            present: self.present[lane] != 0,
+            sample: self.samples[lane],
+            opacity: self.opacity[lane],
+            colour: [self.colour[0][lane], self.colour[1][lane], self.colour[2][lane]],
+        }
+    }
+
+    /// Puts a sample into a lane.
+    pub(crate) fn put(&mut self, lane: usize, shaded: &golden::Shaded) {
+        self.present[lane] = shaded.present.into();
+        self.samples[lane] = shaded.sample;
+        self.opacity[lane] = shaded.opacity;
+        self.colour.iter_mut().zip(shaded.colour).for_each(|(row, word)| row[lane] = word);
+    }
 }
 
 /// The ABC unit's lanes for the registers of a frame.
@@ -174,8 +196,8 @@ impl AbcLanes {
                 shaded.present[lane] = out.present[from + lane].into();
             }
             shaded.present[count..].fill(0);
-            self.shade_block(
-                &block(&samples[..n], from),
+            shaded.samples = block(&samples[..n], from);
+            let saturated = self.shade_block(
                 #[inline(always)]
                 |around: &mut Around| {
                     for (place, around) in around.iter_mut().enumerate() {
@@ -196,7 +218,7 @@ impl AbcLanes {
             for (colour, shaded) in out.colour.iter_mut().zip(&shaded.colour) {
                 put_block(shaded, colour, from);
             }
-            out.overflows += u64::from(shaded.overflows);
+            out.overflows += u64::from(saturated);
             if let Some(lane) = shaded.opacity.iter().rposition(|&opacity| opacity != 0) {
                 end = from + lane + 1;
                 if first == n {
@@ -212,35 +234,33 @@ impl AbcLanes {
         };
     }
 
-    /// Shades a block of samples, whose first `count` lanes are there. `fill` writes the neighbours that are [read](AbcLanes::reads);
-    /// it is not called where they are not needed. `at(lane)` is the lane's (u, v, k); `out.present` is 0 for lanes that are not there.
+    /// Shades the samples of a block, of which the first `count` lanes are there and the others not present. `fill` writes the neighbours
+    /// that are [read](AbcLanes::reads); it is not called where they are not needed. `at(lane)` is the lane's (u, v, k). Gives how many
+    /// words were saturated.
     #[inline]
     pub fn shade_block(
         &mut self,
-        samples: &Block<i32>,
         fill: impl FnOnce(&mut Around),
         count: usize,
         at: impl Fn(usize) -> [i64; 3] + Copy,
         geometry: &Geometry,
         out: &mut ShadedBlock,
-    ) {
+    ) -> u32 {
         vectorised(
             #[inline(always)]
-            || self.block(samples, fill, count, at, geometry, out),
-        );
+            || self.block(fill, count, at, geometry, out),
+        )
     }
 
     #[inline(always)]
     fn block(
         &mut self,
-        samples: &Block<i32>,
         fill: impl FnOnce(&mut Around),
         count: usize,
         at: impl Fn(usize) -> [i64; 3] + Copy,
         geometry: &Geometry,
         out: &mut ShadedBlock,
-    ) {
-        out.overflows = 0;
+    ) -> u32 {
         if let Some(rays) = self.rays.as_ref().filter(|rays| rays.has_classes()) {
             for lane in 0..count {
                 self.stages.class[lane] = rays.class(at(lane));
@@ -251,13 +271,13 @@ impl AbcLanes {
             self.gradient_stage(count, at);
             self.normal_stage();
             let Stages { magnitude, class, .. } = &self.stages;
-            self.table.block(samples, magnitude, class, out);
+            self.table.block(magnitude, class, out);
             if self.skip && !any(&out.opacity) {
                 return clear(out);
             }
         } else {
             let Stages { magnitude, class, .. } = &self.stages;
-            self.table.block(samples, magnitude, class, out);
+            self.table.block(magnitude, class, out);
             if self.skip && !any(&out.opacity) {
                 return clear(out);
             }
@@ -277,23 +297,21 @@ impl AbcLanes {
                 }
             }
         }
-        self.clear_transparent(out);
+        self.clear_transparent(out)
     }
 
     /// A transparent sample has no colour and counts no overflow.
     #[inline(always)]
-    fn clear_transparent(&self, out: &mut ShadedBlock) {
-        let ShadedBlock { opacity, colour: [red, green, blue], overflows, .. } = out;
+    fn clear_transparent(&self, out: &mut ShadedBlock) -> u32 {
+        let ShadedBlock { opacity, colour: [red, green, blue], .. } = out;
         for i in 0..BLOCK {
             let seen = opacity[i] != 0;
             red[i] = if seen { red[i] } else { 0 };
             green[i] = if seen { green[i] } else { 0 };
             blue[i] = if seen { blue[i] } else { 0 };
         }
-        if self.gradient.is_some() || self.shading.is_some() {
-            let overflow = &self.stages.overflow;
-            *overflows = (0..BLOCK).map(|i| if opacity[i] == 0 { 0 } else { overflow[i] }).sum();
-        }
+        let overflow = &self.stages.overflow;
+        (0..BLOCK).map(|i| if opacity[i] == 0 { 0 } else { overflow[i] }).sum()
     }
 
     #[inline(always)]
@@ -380,8 +398,9 @@ fn any(words: &Block<u32>) -> bool {
 }
 
 #[inline(always)]
-fn clear(out: &mut ShadedBlock) {
+fn clear(out: &mut ShadedBlock) -> u32 {
     out.colour = [[0; BLOCK]; 3];
+    0
 }
 
 /// Whether a gradient method reads the neighbour at a displacement.
@@ -694,7 +713,6 @@ impl ClassifyLanes {
     #[inline(always)]
     pub fn block(
         &self,
-        samples: &Block<i32>,
         magnitude: &Block<u32>,
         class: &Block<u32>,
         out: &mut ShadedBlock,
@@ -704,7 +722,7 @@ impl ClassifyLanes {
         let Some(last) = packed.len().checked_sub(1) else {
             return;
         };
-        let ShadedBlock { present, opacity, colour: [red, green, blue], .. } = out;
+        let ShadedBlock { present, samples, opacity, colour: [red, green, blue] } = out;
         for i in 0..BLOCK {
             let place = class[i] * width + ((samples[i] as u32) >> shift);
             let entry = packed[(place as usize).min(last)];

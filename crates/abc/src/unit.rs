@@ -12,7 +12,7 @@ use crate::lanes::{AbcLanes, Around, HERE, ShadedBlock, ShadedRow, reads};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, PortState, Wait};
 use cube3_host::{BESIDE, DiscreteRay, FrameSetup, Geometry, GradientMethod, MachineSpec, SampleBounds};
 use cube3_trilin::{RaySamples, SampleRay};
-use cube3_word::{BLOCK, Block, block, put_block};
+use cube3_word::{BLOCK, Block};
 use serde::{Deserialize, Serialize};
 
 /// A slot of coloured samples.
@@ -28,67 +28,25 @@ pub struct ShadedRay<D> {
     pub data: D,
 }
 
-/// Coloured samples of a ray slot in order of depth, filled up to whole blocks: a row for each part of [`Shaded`]. Where there is no
-/// sample, there are zeros. The sample at depth k is in lane `(slot + k) mod lanes`.
+/// Coloured samples of a ray slot in order of depth, block by block. The sample at depth k is in lane `(slot + k) mod lanes`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ShadedSamples {
-    /// Whether each sample takes part: 1 or 0.
-    pub present: Vec<u32>,
-    /// Sample words.
-    pub samples: Vec<i32>,
-    /// Opacities.
-    pub opacity: Vec<u32>,
-    /// Red, green, blue.
-    pub colour: [Vec<u32>; 3],
-}
+pub struct ShadedSamples(pub Vec<ShadedBlock>);
 
 impl ShadedSamples {
     /// The samples of a ray.
     pub fn new(samples: &[Shaded]) -> ShadedSamples {
-        let mut rows = ShadedSamples::default();
-        rows.ready(samples.len().next_multiple_of(BLOCK));
-        for (depth, shaded) in samples.iter().enumerate() {
-            rows.present[depth] = shaded.present.into();
-            rows.samples[depth] = shaded.sample;
-            rows.opacity[depth] = shaded.opacity;
-            rows.colour.iter_mut().zip(shaded.colour).for_each(|(row, word)| row[depth] = word);
-        }
-        rows
+        let block = |samples: &[Shaded]| {
+            let mut block = ShadedBlock::default();
+            samples.iter().enumerate().for_each(|(lane, sample)| block.put(lane, sample));
+            block
+        };
+        ShadedSamples(samples.chunks(BLOCK).map(block).collect())
     }
 
     /// The sample at a depth.
     #[inline]
     pub fn at(&self, depth: usize) -> Shaded {
-        Shaded {
-            present: self.present[depth] != 0,
-            sample: self.samples[depth],
-            opacity: self.opacity[depth],
-            colour: [self.colour[0][depth], self.colour[1][depth], self.colour[2][depth]],
-        }
-    }
-
-    /// Makes room for so many words.
-    fn ready(&mut self, row: usize) {
-        if self.samples.len() != row {
-            self.samples = vec![0; row];
-            let words = self.colour.iter_mut().chain([&mut self.present, &mut self.opacity]);
-            words.for_each(|words| *words = vec![0; row]);
-        }
-    }
-
-    /// Takes a block of samples from depth `from` on.
-    #[inline]
-    fn put(&mut self, from: usize, samples: &Block<i32>, shaded: &ShadedBlock) {
-        let mut seen = *samples;
-        for i in 0..BLOCK {
-            seen[i] = if shaded.present[i] == 0 { 0 } else { samples[i] };
-        }
-        put_block(&seen, &mut self.samples, from);
-        put_block(&shaded.present, &mut self.present, from);
-        put_block(&shaded.opacity, &mut self.opacity, from);
-        for (row, colour) in self.colour.iter_mut().zip(&shaded.colour) {
-            put_block(colour, row, from);
-        }
+        self.0[depth / BLOCK].at(depth % BLOCK)
     }
 }
 
@@ -160,7 +118,6 @@ struct Parallel {
     placed: bool,
     /// The rays of the slot and of the plane in hand, by depth.
     rays: [Vec<i32>; 2],
-    out: ShadedBlock,
 }
 
 impl Parallel {
@@ -183,7 +140,6 @@ impl Parallel {
             plane: None,
             placed: !setup.clips.is_empty() || setup.depth_cue.is_some(),
             rays: [rays, Vec::new()],
-            out: ShadedBlock::default(),
         })
     }
 
@@ -212,8 +168,10 @@ struct Any {
 /// A neighbour ray's samples whose bits are set, and the border elsewhere.
 #[inline(always)]
 fn select(samples: &[i32], bits: u16, border: i32) -> Block<i32> {
-    let samples = block(samples, 0);
     let mut out = [border; BLOCK];
+    let Some(samples) = samples.first_chunk::<BLOCK>() else {
+        return out;
+    };
     for i in 0..BLOCK {
         out[i] = if bits & (1 << i) == 0 { border } else { samples[i] };
     }
@@ -288,14 +246,18 @@ impl Shade for Shader {
         let (plane, slot) = (ray.plane as usize, ray.slot as usize);
         let held = plane % self.ring.len();
         let place = &mut self.ring[held][slot * self.row..][..self.row];
-        place[1..=self.row - BLOCK].copy_from_slice(&ray.data.samples);
+        for (from, block) in ray.data.0.iter().enumerate() {
+            if let Some(place) = place[from * BLOCK + 1..].first_chunk_mut() {
+                *place = block.samples;
+            }
+        }
         if let Some(kept) = self.first.get_mut(plane) {
             kept[slot * self.row..][..self.row].copy_from_slice(place);
         }
     }
 
     fn give(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut ShadedSamples) {
-        output.ready(self.row - BLOCK);
+        output.0.resize(self.row / BLOCK - 1, ShadedBlock::default());
         match self.parallel.take() {
             Some(mut parallel) => {
                 self.shade_parallel(setup, &mut parallel, plane, slot, output);
@@ -334,11 +296,11 @@ impl Shader {
             let plane = first.get(plane).unwrap_or(&ring[plane % ring.len()]);
             [0, 1, 2].map(|u| &plane[beside(slot, u, slots) * row..][..row])
         });
-        let Parallel { words, along_u, along_v, rays: [rays_u, rays_v], out, .. } = parallel;
+        let Parallel { words, along_u, along_v, rays: [rays_u, rays_v], .. } = parallel;
         let words = *words;
         let along_u = &along_u[slot * BESIDE * words..][..BESIDE * words];
         let reads = *self.arithmetic.reads();
-        for word in 0..words {
+        for (word, out) in output.0.iter_mut().enumerate() {
             let from = word * BLOCK;
             let count = BLOCK.min(depths - from);
             let bits = |w: usize, v: usize, u: usize| {
@@ -356,9 +318,8 @@ impl Shader {
                     *present &= u32::from(geometry.evaluate(&clip.distance, at(lane)) >= 0);
                 }
             }
-            let samples = select(&rays[1][1][from + 1..], here, border);
-            self.arithmetic.shade_block(
-                &samples,
+            out.samples = select(&rays[1][1][from + 1..], here, border);
+            let saturated = self.arithmetic.shade_block(
                 #[inline(always)]
                 |around: &mut Around| {
                     for (place, around) in around.iter_mut().enumerate() {
@@ -373,8 +334,10 @@ impl Shader {
                 geometry,
                 out,
             );
-            output.put(from, &samples, out);
-            self.overflows += u64::from(out.overflows);
+            for i in 0..BLOCK {
+                out.samples[i] = if out.present[i] == 0 { 0 } else { out.samples[i] };
+            }
+            self.overflows += u64::from(saturated);
         }
     }
 
@@ -409,13 +372,16 @@ impl Shader {
         let at = |k: usize| [rays[k].u, rays[k].v, k as i64];
         self.arithmetic.shade(depths, neighbour, at, geometry, row);
         self.overflows += row.overflows;
-        let ShadedSamples { present, samples, opacity, colour } = output;
         for k in 0..depths {
-            present[k] = row.present[k].into();
-            samples[k] = if row.present[k] == 0 { 0 } else { around[HERE][k] };
+            let present = row.present[k] != 0;
+            let shaded = Shaded {
+                present,
+                sample: if present { around[HERE][k] } else { 0 },
+                opacity: row.opacity[k],
+                colour: [row.colour[0][k], row.colour[1][k], row.colour[2][k]],
+            };
+            output.0[k / BLOCK].put(k % BLOCK, &shaded);
         }
-        opacity[..depths].copy_from_slice(&row.opacity);
-        colour.iter_mut().zip(&row.colour).for_each(|(into, from)| into[..depths].copy_from_slice(from));
     }
 }
 

@@ -7,7 +7,6 @@ use cube3_abc::{AbcSpec, AbcUnit, ShadedRay, ShadedSamples, Shader};
 use cube3_channel::Channel;
 use cube3_host::{DiscreteRay, FrameSetup, Geometry, MachineSpec};
 use cube3_trilin::{RaySamples, SampleRay};
-use cube3_word::BLOCK;
 use cube3_word::unit_full;
 use proptest::prelude::*;
 use registers::{Dice, hosted_frame};
@@ -39,13 +38,12 @@ fn neighbourhood(seed: u64, setup: &FrameSetup, ray: DiscreteRay, k: i64) -> Nei
 /// A slot as the interpolators send it.
 fn fill(seed: u64, setup: &FrameSetup, plane: usize, slot: usize, data: &mut RaySamples) {
     let depths = setup.geometry.size[2];
-    data.samples = vec![0; depths.next_multiple_of(BLOCK)];
-    for k in 0..depths {
+    let at = |k: usize| {
         let ray = setup.geometry.ray_in_slot(plane, slot, k);
-        if setup.geometry.has_sample(ray, k as i64) {
-            data.samples[k] = sample(seed, ray, k as i64, setup.words.sample_bits());
-        }
-    }
+        let there = setup.geometry.has_sample(ray, k as i64);
+        there.then(|| sample(seed, ray, k as i64, setup.words.sample_bits()))
+    };
+    *data = RaySamples::new(&(0..depths).map(at).collect::<Vec<_>>());
 }
 
 fn assert_slot(seed: u64, setup: &FrameSetup, ray: &ShadedRay<ShadedSamples>) -> u64 {

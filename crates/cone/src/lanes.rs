@@ -2,10 +2,10 @@
 
 use crate::golden::{Node, combine};
 use cube3_abc::ShadedSamples;
-use cube3_abc::lanes::ShadedRow;
+use cube3_abc::lanes::{ShadedBlock, ShadedRow};
 use cube3_host::{ConeOrder, ConeRegisters, DiscreteRay};
 use cube3_scene::Mode;
-use cube3_word::{BLOCK, Rounding, Words, block, put_block, unit_full, vectorised};
+use cube3_word::{BLOCK, Block, Rounding, Words, unit_full, vectorised};
 use std::ops::Range;
 
 /// A stretch of one ray at a node.
@@ -196,8 +196,8 @@ accumulator!(u64);
 /// does not change. Blocks of leaves are reduced at once.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SlotLanes {
-    /// Red, green, blue, opacity of the leaves in order of depth, and a block more.
-    leaves: [Vec<u32>; 4],
+    /// Red, green, blue, opacity of the leaves in order of depth, block by block.
+    leaves: Vec<[Block<u32>; 4]>,
     /// Nodes of a ray above its blocks.
     nodes: Vec<Node>,
 }
@@ -220,18 +220,16 @@ impl SlotLanes {
 
     /// Takes the samples of a slot.
     pub fn leaves(&mut self, input: &ShadedSamples, words: &Words) {
-        self.leaves.iter_mut().for_each(|row| row.resize(input.opacity.len() + BLOCK, 0));
         let bits = words.accumulator_bits;
         let (opacity, colour) = (Resize::new(words.opacity_bits, bits), Resize::new(words.colour_bits, bits));
         let factors = UnitFactors::new(words);
-        for from in (0..input.opacity.len()).step_by(BLOCK) {
-            let [red, green, blue] = input.colour.each_ref().map(|row| block(row, from));
-            let alpha = block(&input.opacity, from);
-            let mut leaves = [[0; BLOCK]; 4];
+        self.leaves.resize(input.0.len(), [[0; BLOCK]; 4]);
+        for (leaves, shaded) in self.leaves.iter_mut().zip(&input.0) {
+            let ShadedBlock { opacity: alpha, colour: [red, green, blue], .. } = shaded;
             vectorised(
                 #[inline(always)]
                 || {
-                    let [r, g, b, a] = &mut leaves;
+                    let [r, g, b, a] = leaves;
                     for i in 0..BLOCK {
                         let through = opacity.apply(alpha[i]);
                         r[i] = colour.apply(red[i]).unit_mul(through, factors);
@@ -241,7 +239,6 @@ impl SlotLanes {
                     }
                 },
             );
-            self.leaves.iter_mut().zip(&leaves).for_each(|(row, leaves)| put_block(leaves, row, from));
         }
     }
 
@@ -267,12 +264,22 @@ impl SlotLanes {
 
     /// The tree over a block of leaves from depth `first` on, of which those of `part` are of the ray.
     fn block(&self, first: usize, part: Range<usize>, sums: Sums) -> Node {
-        let seen = |row: &Vec<u32>| row[part.clone()].iter().fold(0, |any, word| any | word);
-        if part.is_empty() || seen(&self.leaves[3]) == 0 {
+        if part.is_empty() {
             return Node::default();
         }
-        let leaves = self.leaves.each_ref().map(|row| block(row, first));
+        let moved;
+        let leaves = if first.is_multiple_of(BLOCK) {
+            &self.leaves[first / BLOCK]
+        } else {
+            // Chunks that begin within a block: of lanes that are no multiple of one.
+            let leaf = |depth: usize, i: usize| self.leaves.get(depth / BLOCK).map_or(0, |block| block[i][depth % BLOCK]);
+            moved = [0, 1, 2, 3].map(|i| std::array::from_fn(|lane| leaf(first + lane, i)));
+            &moved
+        };
         let (from, to) = ((part.start - first) as u32, (part.end - first) as u32);
+        if leaves[3][part.start - first..part.end - first].iter().all(|&alpha| alpha == 0) {
+            return Node::default();
+        }
         let mut rgba = [[0]; 4];
         vectorised(
             #[inline(always)]
@@ -586,25 +593,34 @@ impl<T: Accumulator> ConeLanes<T> {
     }
 }
 
-/// [`cube3_word::unit_resize`] with its decisions made before: for widening by at most the width itself.
+/// [`cube3_word::unit_resize`] with its decisions made before: repeated bits are a product.
 #[derive(Clone, Copy, Debug)]
 struct Resize {
-    from: u32,
-    to: u32,
-    once: bool,
+    repeat: u64,
+    drop: u32,
+    /// Whether the product has 32 bits at most.
+    narrow: bool,
 }
 
 impl Resize {
     fn new(from: u32, to: u32) -> Resize {
-        Resize { from, to, once: to >= from && to <= 2 * from && to <= 16 }
+        if to <= from {
+            return Resize { repeat: 1, drop: from - to, narrow: true };
+        }
+        let (mut repeat, mut width) = (1, from);
+        while width < to {
+            repeat |= repeat << width;
+            width *= 2;
+        }
+        Resize { repeat, drop: width - to, narrow: width <= 32 }
     }
 
     #[inline(always)]
     fn apply(self, raw: u32) -> u32 {
-        if self.once {
-            (raw << self.from | raw) >> (2 * self.from - self.to)
+        if self.narrow {
+            (raw * self.repeat as u32) >> self.drop
         } else {
-            cube3_word::unit_resize(raw, self.from, self.to)
+            ((u64::from(raw) * self.repeat) >> self.drop) as u32
         }
     }
 }

@@ -4,6 +4,7 @@
 //! neighbours in memory. A *ray* is all depths of one ray: the weights differ, and neighbours along w are
 //! neighbours in memory. Both give the golden bits.
 
+use crate::SampleBlock;
 use cube3_word::{BLOCK, LerpLanes, Words, vectorised};
 
 /// The interpolator's lanes for a machine's words.
@@ -130,18 +131,19 @@ impl TrilinLanes {
         }
     }
 
-    /// [`TrilinLanes::lerps`], with 0 where a bit is not set: bits of a block in a word, the first the lowest.
-    pub fn masked_lerps(&self, near: &[i32], far: &[i32], weights: &[u32], bits: &[u16], out: &mut [i32]) {
+    /// [`TrilinLanes::lerps`], with 0 where no sample is present. The rays have as many whole blocks as there are in `out`.
+    pub fn samples(&self, near: &[i32], far: &[i32], weights: &[u32], out: &mut [SampleBlock]) {
         let lerp = self.lerp;
-        let inputs = near.as_chunks().0.iter().zip(far.as_chunks().0).zip(weights.as_chunks().0).zip(bits);
-        for ((((near, far), weights), bits), out) in inputs.zip(out.as_chunks_mut::<BLOCK>().0) {
+        let inputs = near.as_chunks().0.iter().zip(far.as_chunks().0).zip(weights.as_chunks().0);
+        for (((near, far), weights), SampleBlock { samples, present }) in inputs.zip(out) {
+            let present = *present;
             vectorised(
                 #[inline(always)]
                 || {
-                    let mut whole = [0; BLOCK];
-                    lerp.block(near, far, weights, &mut whole);
+                    let mut all = [0; BLOCK];
+                    lerp.block(near, far, weights, &mut all);
                     for i in 0..BLOCK {
-                        out[i] = if bits & (1 << i) == 0 { 0 } else { whole[i] };
+                        samples[i] = if present & (1 << i) == 0 { 0 } else { all[i] };
                     }
                 },
             );
@@ -222,11 +224,12 @@ mod tests {
             }
             let mut samples = vec![0; room];
             lanes.lerps(&sides[0], &sides[1], &weights_v, &mut samples);
-            let bits: Vec<u16> = seed[..room / BLOCK].to_vec();
-            let mut masked = vec![0; room];
-            lanes.masked_lerps(&sides[0], &sides[1], &weights_v, &bits, &mut masked);
-            for (k, &word) in masked.iter().enumerate() {
-                prop_assert_eq!(word, if bits[k / BLOCK] >> (k % BLOCK) & 1 == 0 { 0 } else { samples[k] });
+            let block = |present| SampleBlock { present, ..SampleBlock::default() };
+            let mut masked: Vec<SampleBlock> = seed[..room / BLOCK].iter().map(|&bits| block(bits)).collect();
+            lanes.samples(&sides[0], &sides[1], &weights_v, &mut masked);
+            for k in 0..room {
+                let there = seed[k / BLOCK] >> (k % BLOCK) & 1 != 0;
+                prop_assert_eq!(masked[k / BLOCK].samples[k % BLOCK], if there { samples[k] } else { 0 });
             }
             for k in 0..depth - 1 {
                 let corners = [0, 1].map(|w| [0, 1].map(|v| [0, 1].map(|u: usize| rays[v][u][k + w])));

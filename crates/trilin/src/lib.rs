@@ -10,4 +10,4 @@ pub mod golden;
 pub mod lanes;
 mod unit;
 
-pub use unit::{Interpolate, Interpolator, NoSamples, RaySamples, SampleRay, TrilinSpec, TrilinUnit};
+pub use unit::{Interpolate, Interpolator, NoSamples, RaySamples, SampleBlock, SampleRay, TrilinSpec, TrilinUnit};

@@ -7,11 +7,10 @@
 //! shared, which is kept for it, and by nothing where they are not; it leaves while the next plane begins.
 
 use crate::lanes::TrilinLanes;
-use bitvec::prelude::*;
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
 use cube3_dsb::{RayPair, RayVoxels, into_depths};
 use cube3_host::{BESIDE, FrameSetup, Geometry, MachineSpec, Perspective, Reuse, SampleBounds};
-use cube3_word::BLOCK;
+use cube3_word::{BLOCK, Block};
 use serde::{Deserialize, Serialize};
 
 /// A slot of continuous rays.
@@ -27,14 +26,40 @@ pub struct SampleRay<D> {
     pub data: D,
 }
 
-/// The samples of a ray slot in order of depth, filled up to whole blocks. From here on each lane works for itself: the sample at
-/// depth k is in lane `(slot + k) mod lanes`.
+/// The samples of a ray slot in order of depth, block by block. From here on each lane works for itself: the sample at depth k is in
+/// lane `(slot + k) mod lanes`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct RaySamples {
+pub struct RaySamples(pub Vec<SampleBlock>);
+
+/// A block of samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SampleBlock {
     /// Sample words; 0 where there is none.
-    pub samples: Vec<i32>,
-    /// Which of them are samples of the volume.
-    pub present: BitVec<u16>,
+    pub samples: Block<i32>,
+    /// Which lanes hold a sample of the volume: a bit each, that of the first the lowest.
+    pub present: u16,
+}
+
+impl RaySamples {
+    /// The samples of a ray.
+    pub fn new(samples: &[Option<i32>]) -> RaySamples {
+        let block = |samples: &[Option<i32>]| {
+            let mut block = SampleBlock::default();
+            for (lane, sample) in samples.iter().enumerate() {
+                block.samples[lane] = sample.unwrap_or(0);
+                block.present |= u16::from(sample.is_some()) << lane;
+            }
+            block
+        };
+        RaySamples(samples.chunks(BLOCK).map(block).collect())
+    }
+
+    /// The sample at a depth, where there is one.
+    pub fn at(&self, depth: usize) -> Option<i32> {
+        let SampleBlock { samples, present } = &self.0[depth / BLOCK];
+        let lane = depth % BLOCK;
+        (present >> lane & 1 != 0).then_some(samples[lane])
+    }
 }
 
 /// The interpolators' arithmetic, or nothing where only time counts.
@@ -321,14 +346,10 @@ impl Interpolate for Interpolator {
             }
             self.side(geometry.offset, 1);
         }
-        if output.samples.len() != self.row {
-            output.samples = vec![0; self.row];
-            output.present = BitVec::repeat(false, self.row);
-        }
+        output.0.resize(self.row / BLOCK, SampleBlock::default());
         let Rows { lerped: [current, below], .. } = &mut self.rows;
-        let inside = output.present.as_raw_mut_slice();
-        Self::inside(&mut self.bounds, geometry, plane, slot, inside);
-        self.arithmetic.masked_lerps(current, below, &self.weights[1], inside, &mut output.samples);
+        Self::inside(&mut self.bounds, geometry, plane, slot, &mut output.0);
+        self.arithmetic.samples(current, below, &self.weights[1], &mut output.0);
         self.lerps += 1;
         if keeps_planes {
             std::mem::swap(&mut self.sides[slot], below);
@@ -338,18 +359,18 @@ impl Interpolate for Interpolator {
 
 impl Interpolator {
     /// Which samples of a slot lie in the volume.
-    fn inside(bounds: &mut Option<Bounds>, geometry: &Geometry, plane: usize, slot: usize, out: &mut [u16]) {
+    fn inside(bounds: &mut Option<Bounds>, geometry: &Geometry, plane: usize, slot: usize, out: &mut [SampleBlock]) {
         if let Some(bounds) = bounds {
             bounds.aim_plane(geometry, plane);
             let along_u = &bounds.along_u[slot * out.len()..];
             for ((out, along_u), along_v) in out.iter_mut().zip(along_u).zip(&bounds.along_v) {
-                *out = along_u & along_v;
+                out.present = along_u & along_v;
             }
         } else {
-            out.fill(0);
+            out.iter_mut().for_each(|out| out.present = 0);
             for k in 0..geometry.size[2] {
                 let there = geometry.has_sample(geometry.ray_in_slot(plane, slot, k), k as i64);
-                out[k / BLOCK] |= u16::from(there) << (k % BLOCK);
+                out[k / BLOCK].present |= u16::from(there) << (k % BLOCK);
             }
         }
     }

@@ -11,7 +11,7 @@ use cube3_host::{
 use cube3_scene::{Scene, View};
 use cube3_trilin::golden::{Weights, cell, lift};
 use cube3_trilin::{Interpolator, RaySamples, SampleRay, TrilinSpec, TrilinUnit};
-use cube3_word::{BLOCK, Rounding, Words};
+use cube3_word::{Rounding, Words};
 use proptest::prelude::*;
 
 fn machine(words: Words, padded: bool, plane_floor: bool, offset: f64, lanes: usize) -> MachineSpec {
@@ -68,7 +68,7 @@ fn expected(
     voxel: &impl Fn([usize; 3]) -> u16,
 ) -> Vec<Option<i32>> {
     let geometry = &setup.geometry;
-    let mut samples = vec![None; geometry.size[2].next_multiple_of(BLOCK)];
+    let mut samples = vec![None; geometry.size[2]];
     for k in 0..geometry.size[2] {
         let owner = geometry.ray_in_slot(plane, slot, k);
         if geometry.has_sample(owner, k as i64) {
@@ -158,10 +158,7 @@ proptest! {
             let setup = setup(&machine, dims, direction, reuse);
             let lerps = run(&setup, lanes, &voxel, |ray| {
                 let expected = expected(&setup, ray.plane as usize, ray.slot as usize, &voxel);
-                let present: Vec<bool> = ray.data.present.iter().by_vals().collect();
-                assert_eq!(present, expected.iter().map(Option::is_some).collect::<Vec<_>>());
-                let samples: Vec<i32> = expected.iter().map(|sample| sample.unwrap_or(0)).collect();
-                assert_eq!(&ray.data.samples, &samples, "{reuse:?}, plane {}, slot {}", ray.plane, ray.slot);
+                assert_eq!(ray.data, RaySamples::new(&expected), "{reuse:?}, plane {}, slot {}", ray.plane, ray.slot);
             });
             prop_assert_eq!(lerps, lerps_of_a_frame(reuse, setup.geometry.slot_counts()));
         }
@@ -197,10 +194,10 @@ fn affine_volumes_come_out_to_the_bit() {
                 let voxel = |p: [usize; 3]| field(p.map(|i| i as f64)) as u16;
                 run(&setup, 5, &voxel, |ray| {
                     for k in 0..geometry.size[2] {
-                        if ray.data.present[k] {
+                        if let Some(sample) = ray.data.at(k) {
                             let owner = geometry.ray_in_slot(ray.plane as usize, ray.slot as usize, k);
                             let exact = field(geometry.sample_position(owner, k));
-                            assert_eq!(f64::from(ray.data.samples[k]) / 256.0, exact, "{owner:?}, {k}");
+                            assert_eq!(f64::from(sample) / 256.0, exact, "{owner:?}, {k}");
                             samples += 1;
                         }
                     }
