@@ -40,8 +40,9 @@ pub struct ShadedRow {
     pub overflows: u64,
 }
 
-/// A block of shaded samples: a word for each part of [`golden::Shaded`] and lane.
+/// A block of shaded samples: a word for each part of [`golden::Shaded`] and lane. Each row is a line of the cache.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C, align(64))]
 pub struct ShadedBlock {
     /// 1 where the sample takes part, 0 where not. To be shaded, where it is in the volume.
     pub present: Block<u32>,
@@ -84,10 +85,23 @@ pub struct AbcLanes {
     shading: Option<ShadingLanes>,
     cue: Option<LinearFactor>,
     rays: Option<RayLanes>,
-    /// Which of the 27 neighbours are read.
-    reads: [bool; 27],
+    /// Those of the 27 neighbours that are read.
+    reads: Vec<Neighbour>,
     skip: bool,
     stages: Stages,
+}
+
+/// A neighbour of a sample: its place in [`Around`], and its indices, each 0 to 2.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Neighbour {
+    /// `9 w + 3 v + u`.
+    pub place: usize,
+    /// Along the ray.
+    pub w: usize,
+    /// From plane to plane.
+    pub v: usize,
+    /// From ray to ray.
+    pub u: usize,
 }
 
 /// Light, ready for blocks.
@@ -97,8 +111,9 @@ enum ShadingLanes {
     Table(ReflectanceTable),
 }
 
-/// Blocks between the stages.
+/// Blocks between the stages, each of them a line of the cache.
 #[derive(Clone, Debug)]
+#[repr(C, align(64))]
 struct Stages {
     around: Around,
     gradient: [Block<i32>; 3],
@@ -108,12 +123,17 @@ struct Stages {
     diffuse: [Block<u32>; 3],
     specular: [Block<u32>; 3],
     class: Block<u32>,
-    local: LocalBlock,
     /// Towards the light in hand and halfway to it, in perspective.
-    towards: [[Block<i32>; 3]; 2],
+    towards: Towards,
     /// The block that a row is shaded in.
     out: ShadedBlock,
+    local: LocalBlock,
 }
+
+/// The direction of a light, and halfway between it and the eye, for each lane of a block.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+struct Towards([[Block<i32>; 3]; 2]);
 
 impl Stages {
     fn new() -> Stages {
@@ -127,7 +147,7 @@ impl Stages {
             specular: [[0; BLOCK]; 3],
             class: [0; BLOCK],
             local: LocalBlock::default(),
-            towards: [[[0; BLOCK]; 3]; 2],
+            towards: Towards([[[0; BLOCK]; 3]; 2]),
             out: ShadedBlock::default(),
         }
     }
@@ -167,8 +187,8 @@ impl AbcLanes {
         }
     }
 
-    /// Which of the 27 neighbours of a sample are read, `[9 w + 3 v + u]`.
-    pub fn reads(&self) -> &[bool; 27] {
+    /// The neighbours of a sample that are read, the sample itself among them.
+    pub fn reads(&self) -> &[Neighbour] {
         &self.reads
     }
 
@@ -188,44 +208,47 @@ impl AbcLanes {
         out.colour.iter_mut().for_each(|colour| colour.resize(n, 0));
         let mut shaded = std::mem::take(&mut self.stages.out);
         let (mut first, mut end) = (n, 0);
-        for from in (0..n).step_by(BLOCK) {
-            let count = BLOCK.min(n - from);
-            let reads = self.reads;
-            let samples = neighbour(1, 1, 1);
-            for lane in 0..count {
-                shaded.present[lane] = out.present[from + lane].into();
-            }
-            shaded.present[count..].fill(0);
-            shaded.samples = block(&samples[..n], from);
-            let saturated = self.shade_block(
-                #[inline(always)]
-                |around: &mut Around| {
-                    for (place, around) in around.iter_mut().enumerate() {
-                        if reads[place] {
-                            *around = block(&neighbour(place / 9, place / 3 % 3, place % 3)[..n], from);
+        let samples = &neighbour(1, 1, 1)[..n];
+        vectorised(
+            #[inline(always)]
+            || {
+                for from in (0..n).step_by(BLOCK) {
+                    shaded.samples = block(samples, from);
+                    let present = block(&out.present, from);
+                    shaded.present = present.map(u32::from);
+                    let count = BLOCK.min(n - from);
+                    let saturated = self.block(
+                        #[inline(always)]
+                        |reads: &[Neighbour], around: &mut Around| {
+                            for &Neighbour { place, w, v, u } in reads {
+                                around[place] = block(&neighbour(w, v, u)[..n], from);
+                            }
+                        },
+                        count,
+                        |lane| at(from + lane),
+                        geometry,
+                        &mut shaded,
+                    );
+                    if !self.table.all {
+                        put_block(&shaded.present.map(|word| word as u8), &mut out.present, from);
+                    }
+                    put_block(&shaded.opacity, &mut out.opacity, from);
+                    for (colour, shaded) in out.colour.iter_mut().zip(&shaded.colour) {
+                        put_block(shaded, colour, from);
+                    }
+                    let Some(saturated) = saturated else {
+                        continue;
+                    };
+                    out.overflows += u64::from(saturated);
+                    if let Some(lane) = shaded.opacity.iter().rposition(|&opacity| opacity != 0) {
+                        end = from + lane + 1;
+                        if first == n {
+                            first = from + shaded.opacity.iter().position(|&opacity| opacity != 0).unwrap_or(0);
                         }
                     }
-                },
-                count,
-                |lane| at(from + lane),
-                geometry,
-                &mut shaded,
-            );
-            for lane in 0..count {
-                out.present[from + lane] = shaded.present[lane] as u8;
-            }
-            put_block(&shaded.opacity, &mut out.opacity, from);
-            for (colour, shaded) in out.colour.iter_mut().zip(&shaded.colour) {
-                put_block(shaded, colour, from);
-            }
-            out.overflows += u64::from(saturated);
-            if let Some(lane) = shaded.opacity.iter().rposition(|&opacity| opacity != 0) {
-                end = from + lane + 1;
-                if first == n {
-                    first = from + shaded.opacity.iter().position(|&opacity| opacity != 0).unwrap_or(0);
                 }
-            }
-        }
+            },
+        );
         self.stages.out = shaded;
         out.span = match (self.skip, first < n) {
             (false, _) => (0, n),
@@ -234,59 +257,66 @@ impl AbcLanes {
         };
     }
 
-    /// Shades the samples of a block, of which the first `count` lanes are there and the others not present. `fill` writes the neighbours
-    /// that are [read](AbcLanes::reads); it is not called where they are not needed. `at(lane)` is the lane's (u, v, k). Gives how many
-    /// words were saturated.
+    /// Shades a block. `begin` writes its samples and which of them are there, the first `count` lanes at most; `fill` the given
+    /// neighbours, and it is not called where they are not needed. `at(lane)` is the lane's (u, v, k). Gives how
+    /// many words were saturated; nothing where all is transparent and was not shaded.
     #[inline]
     pub fn shade_block(
         &mut self,
-        fill: impl FnOnce(&mut Around),
+        begin: impl FnOnce(&mut ShadedBlock),
+        fill: impl FnOnce(&[Neighbour], &mut Around),
         count: usize,
         at: impl Fn(usize) -> [i64; 3] + Copy,
         geometry: &Geometry,
         out: &mut ShadedBlock,
-    ) -> u32 {
+    ) -> Option<u32> {
         vectorised(
             #[inline(always)]
-            || self.block(fill, count, at, geometry, out),
+            || {
+                begin(out);
+                self.block(fill, count, at, geometry, out)
+            },
         )
     }
 
     #[inline(always)]
     fn block(
         &mut self,
-        fill: impl FnOnce(&mut Around),
+        fill: impl FnOnce(&[Neighbour], &mut Around),
         count: usize,
         at: impl Fn(usize) -> [i64; 3] + Copy,
         geometry: &Geometry,
         out: &mut ShadedBlock,
-    ) -> u32 {
+    ) -> Option<u32> {
         if let Some(rays) = self.rays.as_ref().filter(|rays| rays.has_classes()) {
             for lane in 0..count {
                 self.stages.class[lane] = rays.class(at(lane));
             }
         }
         if self.table.rows.is_some() {
-            fill(&mut self.stages.around);
+            fill(&self.reads, &mut self.stages.around);
             self.gradient_stage(count, at);
             self.normal_stage();
             let Stages { magnitude, class, .. } = &self.stages;
-            self.table.block(magnitude, class, out);
+            self.table.opacity(magnitude, class, out);
             if self.skip && !any(&out.opacity) {
-                return clear(out);
+                out.colour = [[0; BLOCK]; 3];
+                return None;
             }
         } else {
             let Stages { magnitude, class, .. } = &self.stages;
-            self.table.block(magnitude, class, out);
+            self.table.opacity(magnitude, class, out);
             if self.skip && !any(&out.opacity) {
-                return clear(out);
+                out.colour = [[0; BLOCK]; 3];
+                return None;
             }
             if self.gradient.is_some() {
-                fill(&mut self.stages.around);
+                fill(&self.reads, &mut self.stages.around);
             }
             self.gradient_stage(count, at);
             self.normal_stage();
         }
+        self.table.colour(out);
         self.light_stage(count, at, out);
         if let Some(cue) = self.cue {
             let shift = self.words.rounding.by(LinearFactor::WORD_BITS);
@@ -297,21 +327,22 @@ impl AbcLanes {
                 }
             }
         }
-        self.clear_transparent(out)
+        Some(self.clear_transparent(out))
     }
 
     /// A transparent sample has no colour and counts no overflow.
     #[inline(always)]
     fn clear_transparent(&self, out: &mut ShadedBlock) -> u32 {
         let ShadedBlock { opacity, colour: [red, green, blue], .. } = out;
+        let mut counted = self.stages.overflow;
         for i in 0..BLOCK {
-            let seen = opacity[i] != 0;
-            red[i] = if seen { red[i] } else { 0 };
-            green[i] = if seen { green[i] } else { 0 };
-            blue[i] = if seen { blue[i] } else { 0 };
+            let seen = if opacity[i] == 0 { 0 } else { u32::MAX };
+            red[i] &= seen;
+            green[i] &= seen;
+            blue[i] &= seen;
+            counted[i] &= seen;
         }
-        let overflow = &self.stages.overflow;
-        (0..BLOCK).map(|i| if opacity[i] == 0 { 0 } else { overflow[i] }).sum()
+        if any(&counted) { counted.iter().sum() } else { 0 }
     }
 
     #[inline(always)]
@@ -368,7 +399,7 @@ impl AbcLanes {
                 for (number, light) in phong.lights.iter().enumerate() {
                     let light = match &self.rays {
                         Some(rays) => {
-                            rays.towards(number, phong.registers.lights[number].direction, count, at, towards);
+                            rays.towards(number, phong.registers.lights[number].direction, count, at, &mut towards.0);
                             &*towards
                         }
                         None => light,
@@ -397,12 +428,6 @@ fn any(words: &Block<u32>) -> bool {
     words.iter().fold(0, |any, word| any | word) != 0
 }
 
-#[inline(always)]
-fn clear(out: &mut ShadedBlock) -> u32 {
-    out.colour = [[0; BLOCK]; 3];
-    0
-}
-
 /// Whether a gradient method reads the neighbour at a displacement.
 pub(crate) fn reads(method: GradientMethod, by: [i64; 3]) -> bool {
     let distance: i64 = by.iter().map(|x| x.abs()).sum();
@@ -416,14 +441,15 @@ pub(crate) fn reads(method: GradientMethod, by: [i64; 3]) -> bool {
 }
 
 /// The neighbours that a frame reads; where rays may run either way, those of any of them.
-fn neighbours(method: Option<GradientMethod>, mirrored: bool) -> [bool; 27] {
+fn neighbours(method: Option<GradientMethod>, mirrored: bool) -> Vec<Neighbour> {
     let signs: &[i64] = if mirrored { &[1, -1] } else { &[1] };
-    let read = |place: usize| {
-        let [u, v, w] = [place % 3, place / 3 % 3, place / 9].map(|i| i as i64 - 1);
+    let all = (0..27).map(|place| Neighbour { place, w: place / 9, v: place / 3 % 3, u: place % 3 });
+    let read = |&Neighbour { place, w, v, u }: &Neighbour| {
+        let [u, v, w] = [u, v, w].map(|i| i as i64 - 1);
         let any = |method| signs.iter().any(|su| signs.iter().any(|sv| reads(method, [su * u, sv * v, w])));
         place == HERE || method.is_some_and(any)
     };
-    std::array::from_fn(read)
+    all.filter(read).collect()
 }
 
 /// Colours in the light: `min(round(colour · diffuse) + specular, 1)`, and how many words of each lane were saturated, added to what
@@ -480,8 +506,7 @@ fn lit_in<const NARROW: bool>(
 struct PhongLanes {
     registers: Phong,
     words: Words,
-    /// The direction of each light, and halfway between it and the eye, for each lane of a block.
-    lights: Vec<[[Block<i32>; 3]; 2]>,
+    lights: Vec<Towards>,
     /// Whether products and sums stay in 32 bits.
     narrow: bool,
 }
@@ -492,7 +517,7 @@ impl PhongLanes {
         PhongLanes {
             registers: phong.clone(),
             words: *words,
-            lights: phong.lights.iter().map(|light| [splat(light.direction), splat(light.halfway)]).collect(),
+            lights: phong.lights.iter().map(|light| Towards([splat(light.direction), splat(light.halfway)])).collect(),
             narrow: words.colour_bits + 3 + words.normal_bits <= 31 && 2 * words.colour_bits + 4 <= 31,
         }
     }
@@ -509,7 +534,7 @@ impl PhongLanes {
     fn add(
         &self,
         number: usize,
-        light: &[[Block<i32>; 3]; 2],
+        light: &Towards,
         direction: &[Block<i32>; 3],
         diffuse: &mut [Block<u32>; 3],
         specular: &mut [Block<u32>; 3],
@@ -526,7 +551,7 @@ impl PhongLanes {
     fn add_in<const TWO_SIDED: bool, const NARROW: bool>(
         &self,
         number: usize,
-        [towards, halfway]: &[[Block<i32>; 3]; 2],
+        Towards([towards, halfway]): &Towards,
         direction: &[Block<i32>; 3],
         diffuse: &mut [Block<u32>; 3],
         specular: &mut [Block<u32>; 3],
@@ -670,72 +695,61 @@ pub fn normalise_rows(gradient: [Vec<i32>; 3], table: &Normaliser, words: &Words
     (rows, magnitudes)
 }
 
-/// The classification tables, a word for opacity and colour together.
+/// The classification tables.
 #[derive(Clone, Debug)]
 pub struct ClassifyLanes {
-    /// Opacity, red, green, blue in 16 bits each; the opacity is that of row 0. A table for each class of step lengths.
-    packed: Vec<u64>,
-    /// Entries of one class.
-    width: usize,
+    /// Red, green, blue in 16 bits each.
+    colour: Vec<u64>,
+    /// Opacity: `width` entries for each row, the rows of a class of step lengths behind one another.
     opacity: Vec<u32>,
+    width: u32,
     shift: u32,
     threshold: [u32; 2],
+    /// How far a magnitude is shifted to its row, and the last row; where there is more than one.
     rows: Option<(u32, u32)>,
+    /// Whether there is one row in all.
+    flat: bool,
+    /// Whether the threshold lets all samples take part.
+    all: bool,
 }
 
 impl ClassifyLanes {
     /// Lanes for the tables of a frame.
     pub fn new(table: &Classification) -> ClassifyLanes {
-        let packed = table
-            .colour
-            .iter()
-            .cycle()
-            .zip(&table.opacity)
-            .map(|(colour, &opacity)| {
-                u64::from(opacity)
-                    | u64::from(colour[0]) << 16
-                    | u64::from(colour[1]) << 32
-                    | u64::from(colour[2]) << 48
-            })
-            .collect();
+        let pack = |colour: &[u32; 3]| u64::from(colour[0]) | u64::from(colour[1]) << 16 | u64::from(colour[2]) << 32;
+        let last = (table.colour.len() as u32).wrapping_shl(table.index_shift).wrapping_sub(1);
         ClassifyLanes {
-            packed,
-            width: table.colour.len(),
-            opacity: if table.gradient_rows.is_some() { table.opacity.clone() } else { Vec::new() },
+            colour: table.colour.iter().map(pack).collect(),
+            opacity: table.opacity.clone(),
+            width: table.colour.len() as u32,
             shift: table.index_shift,
             threshold: table.threshold,
             rows: table.gradient_rows.map(|rows| (rows.shift, rows.rows - 1)),
+            flat: table.opacity.len() <= table.colour.len(),
+            all: table.threshold[0] == 0 && table.threshold[1] >= last,
         }
     }
 
-    /// Opacity and colour of a block; the colour is to be cleared where the opacity is 0. `magnitude` is read where the opacity depends
-    /// on it; `class` is 0 where there is one class.
+    /// Opacities of a block, and which samples take part. `magnitude` is read where the opacity depends on it; `class` is 0 where there
+    /// is one class.
     #[inline(always)]
-    pub fn block(
-        &self,
-        magnitude: &Block<u32>,
-        class: &Block<u32>,
-        out: &mut ShadedBlock,
-    ) {
-        let ClassifyLanes { packed, width, opacity: opacities, shift, .. } = self;
-        let (width, shift) = (*width as u32, *shift);
-        let Some(last) = packed.len().checked_sub(1) else {
+    pub fn opacity(&self, magnitude: &Block<u32>, class: &Block<u32>, out: &mut ShadedBlock) {
+        let shift = self.shift;
+        let table = self.opacity.as_slice();
+        let Some(last) = table.len().checked_sub(1) else {
             return;
         };
-        let ShadedBlock { present, samples, opacity, colour: [red, green, blue] } = out;
-        for i in 0..BLOCK {
-            let place = class[i] * width + ((samples[i] as u32) >> shift);
-            let entry = packed[(place as usize).min(last)];
-            opacity[i] = entry as u32 & 0xffff;
-            red[i] = (entry >> 16) as u32 & 0xffff;
-            green[i] = (entry >> 32) as u32 & 0xffff;
-            blue[i] = (entry >> 48) as u32;
-        }
-        if let (Some((drop, top)), Some(last)) = (self.rows, opacities.len().checked_sub(1)) {
+        let ShadedBlock { present, samples, opacity, .. } = out;
+        if self.flat {
+            for i in 0..BLOCK {
+                opacity[i] = table[((samples[i] as u32 >> shift) as usize).min(last)];
+            }
+        } else {
+            let width = self.width;
+            let (drop, top) = self.rows.unwrap_or((0, 0));
             for i in 0..BLOCK {
                 let row = class[i] * (top + 1) + (magnitude[i] >> drop).min(top);
-                let place = row * width + ((samples[i] as u32) >> shift);
-                opacity[i] = opacities[(place as usize).min(last)];
+                opacity[i] = table[((row * width + (samples[i] as u32 >> shift)) as usize).min(last)];
             }
         }
         let [low, high] = self.threshold;
@@ -744,6 +758,23 @@ impl ClassifyLanes {
             let takes_part = present[i] != 0 && word >= low && word <= high;
             present[i] = u32::from(takes_part);
             opacity[i] = if takes_part { opacity[i] } else { 0 };
+        }
+    }
+
+    /// Colours of a block, to be cleared where the opacity is 0.
+    #[inline(always)]
+    pub fn colour(&self, out: &mut ShadedBlock) {
+        let shift = self.shift;
+        let table = self.colour.as_slice();
+        let Some(last) = table.len().checked_sub(1) else {
+            return;
+        };
+        let ShadedBlock { samples, colour: [red, green, blue], .. } = out;
+        for i in 0..BLOCK {
+            let entry = table[((samples[i] as u32 >> shift) as usize).min(last)];
+            red[i] = entry as u32 & 0xffff;
+            green[i] = (entry >> 16) as u32 & 0xffff;
+            blue[i] = (entry >> 32) as u32;
         }
     }
 }

@@ -52,14 +52,7 @@ impl RayLanes {
     }
 
     /// View vectors and halfway vectors of rays of a plane.
-    pub fn aim(
-        &mut self,
-        v: i64,
-        us: Range<i64>,
-        phong: Option<&Phong>,
-        table: Option<&Normaliser>,
-        words: &Words,
-    ) {
+    pub fn aim(&mut self, v: i64, us: Range<i64>, phong: Option<&Phong>, table: Option<&Normaliser>, words: &Words) {
         self.aimed = us.start;
         for row in self.view.iter_mut().chain(self.halfway.iter_mut().flatten()) {
             row.clear();

@@ -8,7 +8,7 @@
 //! rays pass straight through.
 
 use crate::golden::Shaded;
-use crate::lanes::{AbcLanes, Around, HERE, ShadedBlock, ShadedRow, reads};
+use crate::lanes::{AbcLanes, Around, HERE, Neighbour, ShadedBlock, ShadedRow, reads};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, PortState, Wait};
 use cube3_host::{BESIDE, DiscreteRay, FrameSetup, Geometry, GradientMethod, MachineSpec, SampleBounds};
 use cube3_trilin::{RaySamples, SampleRay};
@@ -95,8 +95,10 @@ pub struct Shader {
     arithmetic: AbcLanes,
     /// Words of a slot's row in a plane: a block more than the samples have.
     row: usize,
-    ring: Vec<Plane>,
-    first: Vec<Plane>,
+    /// The first planes, where they are needed again, and the ring behind them.
+    planes: Vec<Plane>,
+    /// How many the first are.
+    kept: usize,
     overflows: u64,
     /// Of a parallel frame; perspective asks for each sample.
     parallel: Option<Parallel>,
@@ -118,6 +120,9 @@ struct Parallel {
     placed: bool,
     /// The rays of the slot and of the plane in hand, by depth.
     rays: [Vec<i32>; 2],
+    /// Where the plane above the one in hand is kept, that one, and the one below, and which one that is.
+    planes: [usize; 3],
+    around: Option<usize>,
 }
 
 impl Parallel {
@@ -140,6 +145,8 @@ impl Parallel {
             plane: None,
             placed: !setup.clips.is_empty() || setup.depth_cue.is_some(),
             rays: [rays, Vec::new()],
+            planes: [0; 3],
+            around: None,
         })
     }
 
@@ -191,8 +198,8 @@ impl Shader {
         Shader {
             arithmetic: AbcLanes::new(setup, skip),
             row,
-            ring: vec![empty.clone(); ring],
-            first: vec![empty; kept],
+            planes: vec![empty; kept + ring],
+            kept,
             overflows: 0,
             parallel,
             perspective: Any { around: vec![vec![0; setup.geometry.size[2]]; rows], row: ShadedRow::default() },
@@ -207,8 +214,19 @@ impl Shader {
     /// The row of a slot: a word, and then the samples in order of depth.
     #[inline]
     fn samples(&self, plane: usize, slot: usize) -> &[i32] {
-        let plane = self.first.get(plane).unwrap_or(&self.ring[plane % self.ring.len()]);
-        &plane[slot * self.row..][..self.row]
+        &self.planes[self.place(plane)][slot * self.row..][..self.row]
+    }
+
+    /// Where a plane is kept to be read.
+    #[inline]
+    fn place(&self, plane: usize) -> usize {
+        if plane < self.kept { plane } else { self.in_ring(plane) }
+    }
+
+    /// Where it is in the ring.
+    #[inline]
+    fn in_ring(&self, plane: usize) -> usize {
+        self.kept + plane % (self.planes.len() - self.kept)
     }
 
     /// Fills one of the 27 neighbour rays: the samples at displacement (u, v, w), or the border.
@@ -244,15 +262,17 @@ impl Shade for Shader {
 
     fn take(&mut self, _: &FrameSetup, ray: &mut SampleRay<RaySamples>) {
         let (plane, slot) = (ray.plane as usize, ray.slot as usize);
-        let held = plane % self.ring.len();
-        let place = &mut self.ring[held][slot * self.row..][..self.row];
+        let row = slot * self.row..(slot + 1) * self.row;
+        let held = self.in_ring(plane);
+        let place = &mut self.planes[held][row.clone()];
         for (from, block) in ray.data.0.iter().enumerate() {
             if let Some(place) = place[from * BLOCK + 1..].first_chunk_mut() {
                 *place = block.samples;
             }
         }
-        if let Some(kept) = self.first.get_mut(plane) {
-            kept[slot * self.row..][..self.row].copy_from_slice(place);
+        if plane < self.kept {
+            let (first, ring) = self.planes.split_at_mut(self.kept);
+            first[plane][row.clone()].copy_from_slice(&ring[held - self.kept][row]);
         }
     }
 
@@ -283,50 +303,48 @@ impl Shader {
         parallel.aim(geometry, plane, slot);
         let border = setup.gradient.map_or(0, |registers| registers.border);
         let [slots, planes] = geometry.slot_counts();
-        // Beyond the last slot comes the first where they are shared, and else nothing that is in the volume.
-        let beside = |i: usize, by: usize, count: usize| match (i + by).checked_sub(1) {
-            Some(beside) if beside < count => beside,
-            Some(_) => 0,
-            None => count - 1,
-        };
-        let (ring, first, row) = (&self.ring, &self.first, self.row);
-        // The rays around the slot; one that has not come yet has nothing in the volume.
-        let rays = [0, 1, 2].map(|v| {
-            let plane = beside(plane, v, planes);
-            let plane = first.get(plane).unwrap_or(&ring[plane % ring.len()]);
-            [0, 1, 2].map(|u| &plane[beside(slot, u, slots) * row..][..row])
-        });
+        if parallel.around != Some(plane) {
+            // Beyond the last plane comes the first where they are shared, and else nothing that is in the volume.
+            let above = plane.checked_sub(1).unwrap_or(planes - 1);
+            let below = if plane + 1 < planes { plane + 1 } else { 0 };
+            parallel.planes = [self.place(above), self.place(plane), self.place(below)];
+            parallel.around = Some(plane);
+        }
+        // Likewise slots.
+        let left = slot.checked_sub(1).unwrap_or(slots - 1);
+        let right = if slot + 1 < slots { slot + 1 } else { 0 };
+        let Shader { arithmetic, planes, row, overflows, .. } = self;
+        let planes = [&planes[parallel.planes[0]], &planes[parallel.planes[1]], &planes[parallel.planes[2]]];
+        let starts = [left * *row, slot * *row, right * *row];
         let Parallel { words, along_u, along_v, rays: [rays_u, rays_v], .. } = parallel;
         let words = *words;
         let along_u = &along_u[slot * BESIDE * words..][..BESIDE * words];
-        let reads = *self.arithmetic.reads();
         for (word, out) in output.0.iter_mut().enumerate() {
             let from = word * BLOCK;
             let count = BLOCK.min(depths - from);
             let bits = |w: usize, v: usize, u: usize| {
                 along_u[(3 * w + u) * words + word] & along_v[(3 * w + v) * words + word]
             };
-            let here = bits(1, 1, 1);
-            let at = |lane: usize| {
-                [i64::from(rays_u[from + lane]), i64::from(rays_v[from + lane]), (from + lane) as i64]
-            };
-            for (lane, present) in out.present.iter_mut().enumerate() {
-                *present = u32::from(here >> lane & 1);
-            }
-            for clip in &setup.clips {
-                for (lane, present) in out.present[..count].iter_mut().enumerate() {
-                    *present &= u32::from(geometry.evaluate(&clip.distance, at(lane)) >= 0);
-                }
-            }
-            out.samples = select(&rays[1][1][from + 1..], here, border);
-            let saturated = self.arithmetic.shade_block(
+            let at =
+                |lane: usize| [i64::from(rays_u[from + lane]), i64::from(rays_v[from + lane]), (from + lane) as i64];
+            let saturated = arithmetic.shade_block(
                 #[inline(always)]
-                |around: &mut Around| {
-                    for (place, around) in around.iter_mut().enumerate() {
-                        if reads[place] {
-                            let (w, v, u) = (place / 9, place / 3 % 3, place % 3);
-                            *around = select(&rays[v][u][from + w..], bits(w, v, u), border);
+                |out: &mut ShadedBlock| {
+                    let here = bits(1, 1, 1);
+                    for i in 0..BLOCK {
+                        out.present[i] = u32::from(here & (1 << i) != 0);
+                    }
+                    for clip in &setup.clips {
+                        for (lane, present) in out.present[..count].iter_mut().enumerate() {
+                            *present &= u32::from(geometry.evaluate(&clip.distance, at(lane)) >= 0);
                         }
+                    }
+                    out.samples = select(&planes[1][starts[1] + from + 1..], here, border);
+                },
+                #[inline(always)]
+                |reads: &[Neighbour], around: &mut Around| {
+                    for &Neighbour { place, w, v, u } in reads {
+                        around[place] = select(&planes[v][starts[u] + from + w..], bits(w, v, u), border);
                     }
                 },
                 count,
@@ -337,7 +355,7 @@ impl Shader {
             for i in 0..BLOCK {
                 out.samples[i] = if out.present[i] == 0 { 0 } else { out.samples[i] };
             }
-            self.overflows += u64::from(saturated);
+            *overflows += u64::from(saturated.unwrap_or(0));
         }
     }
 
@@ -372,11 +390,11 @@ impl Shader {
         let at = |k: usize| [rays[k].u, rays[k].v, k as i64];
         self.arithmetic.shade(depths, neighbour, at, geometry, row);
         self.overflows += row.overflows;
-        for k in 0..depths {
+        for (k, &sample) in around[HERE].iter().enumerate() {
             let present = row.present[k] != 0;
             let shaded = Shaded {
                 present,
-                sample: if present { around[HERE][k] } else { 0 },
+                sample: if present { sample } else { 0 },
                 opacity: row.opacity[k],
                 colour: [row.colour[0][k], row.colour[1][k], row.colour[2][k]],
             };
@@ -622,8 +640,8 @@ impl<A: Shade> AbcUnit<A> {
 
 impl Archived for Shader {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let Shader { arithmetic: _, row: _, ring, first, overflows, parallel: _, perspective: _ } = self;
-        ring.iter_mut().chain(first).try_for_each(|plane| archive.list(plane))?;
+        let Shader { arithmetic: _, row: _, planes, kept: _, overflows, parallel: _, perspective: _ } = self;
+        planes.iter_mut().try_for_each(|plane| archive.list(plane))?;
         archive.item(overflows)
     }
 }

@@ -51,14 +51,14 @@ fn assert_slot(seed: u64, setup: &FrameSetup, ray: &ShadedRay<ShadedSamples>) ->
     let (plane, slot) = (ray.plane as usize, ray.slot as usize);
     let mut expected = vec![Shaded::default(); geometry.size[2]];
     let mut overflows = 0;
-    for k in 0..geometry.size[2] {
+    for (k, expected) in expected.iter_mut().enumerate() {
         let owner = geometry.ray_in_slot(plane, slot, k);
         if geometry.has_sample(owner, k as i64) {
             let around = neighbourhood(seed, setup, owner, k as i64);
             let counted = shade(&around, [owner.u, owner.v, k as i64], setup);
             overflows += u64::from(counted.overflows);
             if counted.value.present {
-                expected[k] = counted.value;
+                *expected = counted.value;
             }
         }
     }

@@ -9,13 +9,22 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub struct FrameBuffer {
     placement: Placement,
-    /// What each coordinate adds to the address, for x, y, z.
-    terms: [Vec<usize>; 3],
+    /// What each coordinate adds to the address and to the number of the module, for x, y, z.
+    terms: [Vec<Term>; 3],
+    /// Words by address, those of all modules at an address side by side.
     modules: Vec<u16>,
     /// The other half of a double buffer.
     back: Option<Vec<u16>>,
     /// Volumes that come in, one behind another.
     incoming: Vec<Vec<u16>>,
+}
+
+/// What a coordinate adds.
+#[derive(Clone, Copy, Debug)]
+struct Term {
+    address: usize,
+    /// Below the number of modules.
+    module: usize,
 }
 
 /// A frame buffer that cannot be built.
@@ -65,7 +74,12 @@ impl FrameBuffer {
         if bytes > Self::LIMIT_BYTES {
             return Err(FrameBufferError::Memory { bytes, limit: Self::LIMIT_BYTES, depth: skew.depth() });
         }
-        let terms = [0, 1, 2].map(|axis| (0..dims[axis]).map(|i| placement.term(axis, i)).collect());
+        let term = |axis: usize, i: usize| {
+            let mut xyz = [0; 3];
+            xyz[axis] = i as i64;
+            Term { address: placement.term(axis, i), module: skew.module(xyz) }
+        };
+        let terms = [0, 1, 2].map(|axis| (0..dims[axis]).map(|i| term(axis, i)).collect());
         let modules = vec![0; words * skew.lanes];
         let mut buffer = FrameBuffer { placement, terms, modules, back: None, incoming: Vec::new() };
         let mut voxel = voxels.iter();
@@ -107,42 +121,59 @@ impl FrameBuffer {
         }
     }
 
+    /// Address and module of a voxel.
+    #[inline]
+    fn term(&self, [x, y, z]: [usize; 3]) -> Term {
+        let [x, y, z] = [self.terms[0][x], self.terms[1][y], self.terms[2][z]];
+        let lanes = self.placement.skew.lanes;
+        let mut module = x.module + y.module + z.module;
+        while module >= lanes {
+            module -= lanes;
+        }
+        Term { address: x.address + y.address + z.address, module }
+    }
+
     fn place(&self, xyz: [usize; 3]) -> usize {
-        let address = self.terms[0][xyz[0]] + self.terms[1][xyz[1]] + self.terms[2][xyz[2]];
-        address * self.placement.skew.lanes + self.placement.skew.module(xyz.map(|i| i as i64))
+        let Term { address, module } = self.term(xyz);
+        address * self.placement.skew.lanes + module
     }
 
     /// Reads the beam along u at row `v` and plane `w` into lane order: voxel u of the beam goes to
     /// `u / lanes · lanes + (u + v + w) mod lanes`. Unused lanes are 0.
     pub fn fetch(&self, axes: &Axes, v: usize, w: usize, beam: &mut Vec<u16>) {
-        let size = axes.permute(self.placement.dims);
-        let lanes = self.placement.skew.lanes;
-        beam.resize(size[0].div_ceil(lanes) * lanes, 0);
-        // Along u module, lane and coordinate go on by a step each.
-        let along = axes.axis[0];
-        let start = axes.voxel(size, [0, v, w]);
-        let rest: usize = (0..3).filter(|&axis| axis != along).map(|axis| self.terms[axis][start[axis]]).sum();
-        let mut step = [0; 3];
-        step[along] = if axes.reversed[0] { -1 } else { 1 };
-        let step = self.placement.skew.module(step);
-        let mut module = self.placement.skew.module(start.map(|i| i as i64));
+        let [along, axis_v, axis_w] = axes.axis;
+        let dims = self.placement.dims;
+        let (n, lanes) = (dims[along], self.placement.skew.lanes);
+        beam.resize(n.div_ceil(lanes) * lanes, 0);
+        let from = |reversed: bool, i: usize, n: usize| if reversed { n - 1 - i } else { i };
+        let mut start = [0; 3];
+        start[axis_v] = from(axes.reversed[1], v, dims[axis_v]);
+        start[axis_w] = from(axes.reversed[2], w, dims[axis_w]);
+        let rest = self.term(start);
+        let (terms, reversed) = (&self.terms[along], axes.reversed[0]);
         let mut lane = output_lane(lanes, [0, v, w]);
-        let terms = &self.terms[along];
         for (chunk, beam) in beam.chunks_mut(lanes).enumerate() {
-            let (first, end) = (chunk * lanes, size[0].min((chunk + 1) * lanes));
-            let coordinate = |u: usize| if axes.reversed[0] { size[0] - 1 - u } else { u };
+            let (first, end) = (chunk * lanes, n.min((chunk + 1) * lanes));
             if end - first < lanes {
                 beam.fill(0);
-            } else if step == 1 && terms[coordinate(first)] == terms[coordinate(end - 1)] {
-                // One address of all modules, which are turned to their lanes.
-                let row = &self.modules[(terms[coordinate(first)] + rest) * lanes..][..lanes];
-                turn(row, (lane + lanes - module) % lanes, beam);
-                continue;
+            } else if !reversed && let [near, next, .., far] = &terms[first..end] {
+                let by_one = next.module == near.module + 1 || (next.module == 0 && near.module + 1 == lanes);
+                if by_one && near.address == far.address {
+                    // One address of all modules, which are turned to their lanes.
+                    let row = &self.modules[(near.address + rest.address) * lanes..][..lanes];
+                    let mut by = lane + 2 * lanes - near.module - rest.module;
+                    while by >= lanes {
+                        by -= lanes;
+                    }
+                    turn(row, by, beam);
+                    continue;
+                }
             }
             for u in first..end {
-                beam[lane] = self.modules[(terms[coordinate(u)] + rest) * lanes + module];
-                module += step;
-                module -= if module >= lanes { lanes } else { 0 };
+                let term = terms[from(reversed, u, n)];
+                let module = term.module + rest.module;
+                let module = if module >= lanes { module - lanes } else { module };
+                beam[lane] = self.modules[(term.address + rest.address) * lanes + module];
                 lane = if lane + 1 == lanes { 0 } else { lane + 1 };
             }
         }

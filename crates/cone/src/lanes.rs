@@ -2,7 +2,7 @@
 
 use crate::golden::{Node, combine};
 use cube3_abc::ShadedSamples;
-use cube3_abc::lanes::{ShadedBlock, ShadedRow};
+use cube3_abc::lanes::ShadedRow;
 use cube3_host::{ConeOrder, ConeRegisters, DiscreteRay};
 use cube3_scene::Mode;
 use cube3_word::{BLOCK, Block, Rounding, Words, unit_full, vectorised};
@@ -197,10 +197,17 @@ accumulator!(u64);
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SlotLanes {
     /// Red, green, blue, opacity of the leaves in order of depth, block by block.
-    leaves: Vec<[Block<u32>; 4]>,
+    leaves: Vec<Leaves>,
+    /// Which leaves of each block are not transparent: a bit each, the first the lowest.
+    seen: Vec<u16>,
     /// Nodes of a ray above its blocks.
     nodes: Vec<Node>,
 }
+
+/// Red, green, blue, opacity of a block of leaves, each a line of the cache.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+struct Leaves([Block<u32>; 4]);
 
 /// What the nodes of a slot compute with.
 #[derive(Clone, Copy, Debug)]
@@ -223,21 +230,12 @@ impl SlotLanes {
         let bits = words.accumulator_bits;
         let (opacity, colour) = (Resize::new(words.opacity_bits, bits), Resize::new(words.colour_bits, bits));
         let factors = UnitFactors::new(words);
-        self.leaves.resize(input.0.len(), [[0; BLOCK]; 4]);
-        for (leaves, shaded) in self.leaves.iter_mut().zip(&input.0) {
-            let ShadedBlock { opacity: alpha, colour: [red, green, blue], .. } = shaded;
-            vectorised(
+        self.leaves.resize(input.0.len(), Leaves::default());
+        self.seen.resize(input.0.len(), 0);
+        for ((leaves, seen), shaded) in self.leaves.iter_mut().zip(&mut self.seen).zip(&input.0) {
+            *seen = vectorised(
                 #[inline(always)]
-                || {
-                    let [r, g, b, a] = leaves;
-                    for i in 0..BLOCK {
-                        let through = opacity.apply(alpha[i]);
-                        r[i] = colour.apply(red[i]).unit_mul(through, factors);
-                        g[i] = colour.apply(green[i]).unit_mul(through, factors);
-                        b[i] = colour.apply(blue[i]).unit_mul(through, factors);
-                        a[i] = through;
-                    }
-                },
+                || weighted(&shaded.opacity, &shaded.colour, opacity, colour, factors, &mut leaves.0),
             );
         }
     }
@@ -257,7 +255,11 @@ impl SlotLanes {
                 let part = range.start.max(first)..range.end.min(first + BLOCK).min(end);
                 self.nodes.push(self.block(first, part, sums));
             }
-            sum = combine(cone.mode, sum, tree_of_ray(&mut self.nodes, 0, cone.mode, words), words);
+            let node = match self.nodes.as_mut_slice() {
+                [node] => *node,
+                nodes => tree_of_ray(nodes, 0, cone.mode, words),
+            };
+            sum = if sum.present { combine(cone.mode, sum, node, words) } else { node };
         }
         sum
     }
@@ -269,17 +271,19 @@ impl SlotLanes {
         }
         let moved;
         let leaves = if first.is_multiple_of(BLOCK) {
-            &self.leaves[first / BLOCK]
+            let bits = u32::from(u16::MAX) >> (BLOCK - part.len()) << (part.start - first);
+            if u32::from(self.seen[first / BLOCK]) & bits == 0 {
+                return Node::default();
+            }
+            &self.leaves[first / BLOCK].0
         } else {
             // Chunks that begin within a block: of lanes that are no multiple of one.
-            let leaf = |depth: usize, i: usize| self.leaves.get(depth / BLOCK).map_or(0, |block| block[i][depth % BLOCK]);
+            let leaf =
+                |depth: usize, i: usize| self.leaves.get(depth / BLOCK).map_or(0, |block| block.0[i][depth % BLOCK]);
             moved = [0, 1, 2, 3].map(|i| std::array::from_fn(|lane| leaf(first + lane, i)));
             &moved
         };
         let (from, to) = ((part.start - first) as u32, (part.end - first) as u32);
-        if leaves[3][part.start - first..part.end - first].iter().all(|&alpha| alpha == 0) {
-            return Node::default();
-        }
         let mut rgba = [[0]; 4];
         vectorised(
             #[inline(always)]
@@ -294,26 +298,57 @@ impl SlotLanes {
                     alpha[i] = if of_ray { leaves[3][i] } else { 0 };
                 }
                 let (mut eight, mut four, mut two) = ([[0; 8]; 4], [[0; 4]; 4], [[0; 2]; 4]);
-                level(&ray, sums, &mut eight);
-                level(&eight, sums, &mut four);
-                level(&four, sums, &mut two);
-                level(&two, sums, &mut rgba);
+                if sums.over {
+                    level::<true, _, _>(&ray, sums, &mut eight);
+                    level::<true, _, _>(&eight, sums, &mut four);
+                    level::<true, _, _>(&four, sums, &mut two);
+                    level::<true, _, _>(&two, sums, &mut rgba);
+                } else {
+                    level::<false, _, _>(&ray, sums, &mut eight);
+                    level::<false, _, _>(&eight, sums, &mut four);
+                    level::<false, _, _>(&four, sums, &mut two);
+                    level::<false, _, _>(&two, sums, &mut rgba);
+                }
             },
         );
         Node { present: true, sample: 0, rgba: rgba.map(|[word]| word.into()) }
     }
 }
 
-/// A level of a tree: each node of `out` of two neighbours.
+/// Opacities in the accumulators' width and colours weighted by them, and a bit for each lane that is not transparent.
 #[inline(always)]
-fn level<const N: usize, const HALF: usize>(
+fn weighted(
+    alpha: &Block<u32>,
+    colours: &[Block<u32>; 3],
+    opacity: Resize,
+    colour: Resize,
+    factors: UnitFactors,
+    [red, green, blue, through]: &mut [Block<u32>; 4],
+) -> u16 {
+    for i in 0..BLOCK {
+        let a = opacity.apply_narrow(alpha[i]);
+        red[i] = colour.apply_narrow(colours[0][i]).unit_mul(a, factors);
+        green[i] = colour.apply_narrow(colours[1][i]).unit_mul(a, factors);
+        blue[i] = colour.apply_narrow(colours[2][i]).unit_mul(a, factors);
+        through[i] = a;
+    }
+    let mut seen = [0; BLOCK];
+    for i in 0..BLOCK {
+        seen[i] = if alpha[i] == 0 { 0 } else { 1_u32 << i };
+    }
+    seen.iter().fold(0, |word, bit| word | bit) as u16
+}
+
+/// A level of a tree: each node is made of two neighbours, of which the left one hides the right one where it is `OVER` it.
+#[inline(always)]
+fn level<const OVER: bool, const N: usize, const HALF: usize>(
     nodes: &[[u32; N]; 4],
     sums: Sums,
     [red, green, blue, alpha]: &mut [[u32; HALF]; 4],
 ) {
     for i in 0..HALF {
         let (left, right) = (2 * i, 2 * i + 1);
-        if sums.over {
+        if OVER {
             let through = sums.full - nodes[3][left];
             red[i] = nodes[0][left] + through.unit_mul(nodes[0][right], sums.factors);
             green[i] = nodes[1][left] + through.unit_mul(nodes[1][right], sums.factors);
@@ -615,12 +650,14 @@ impl Resize {
         Resize { repeat, drop: width - to, narrow: width <= 32 }
     }
 
+    /// To at most 16 bits: the product has 32 at most.
+    #[inline(always)]
+    fn apply_narrow(self, raw: u32) -> u32 {
+        (raw * self.repeat as u32) >> self.drop
+    }
+
     #[inline(always)]
     fn apply(self, raw: u32) -> u32 {
-        if self.narrow {
-            (raw * self.repeat as u32) >> self.drop
-        } else {
-            ((u64::from(raw) * self.repeat) >> self.drop) as u32
-        }
+        if self.narrow { self.apply_narrow(raw) } else { ((u64::from(raw) * self.repeat) >> self.drop) as u32 }
     }
 }

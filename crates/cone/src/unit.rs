@@ -93,8 +93,9 @@ impl Reduce for Reducer {
 
     fn reduce(&mut self, setup: &FrameSetup, plane: usize, slot: usize, input: &ShadedSamples, output: &mut Pixels) {
         let (cone, words, geometry) = (&setup.cone, &setup.words, &setup.geometry);
-        let at = |depth: usize| {
-            Segment { ray: geometry.ray_in_slot(plane, slot, depth), node: leaf(&input.at(depth), cone, words) }
+        let at = |depth: usize| Segment {
+            ray: geometry.ray_in_slot(plane, slot, depth),
+            node: leaf(&input.at(depth), cone, words),
         };
         output.0.clear();
         let mut send = |Segment { ray, node }: Segment| {

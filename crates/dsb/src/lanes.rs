@@ -20,10 +20,9 @@ impl Rotator {
         let n = self.lanes;
         if slots == n && geometry.size[0] == n {
             // A beam that fills the lanes is turned as a whole: see `rotation`.
-            let to = beam_lane(n, slot(geometry, 0, depth), depth);
-            let from = output_lane(n, [0, v, depth]);
+            let by = (geometry.u.columns[depth] + v as u32) % n as u32;
             aligned.resize(n, 0);
-            turn(beam, (to + n - from) % n, aligned);
+            turn(beam, if by == 0 { 0 } else { n - by as usize }, aligned);
             return;
         }
         aligned.clear();

@@ -5,7 +5,7 @@
 //! neighbours in memory. Both give the golden bits.
 
 use crate::SampleBlock;
-use cube3_word::{BLOCK, LerpLanes, Words, vectorised};
+use cube3_word::{BLOCK, Block, LerpLanes, Words, vectorised};
 
 /// The interpolator's lanes for a machine's words.
 #[derive(Clone, Copy, Debug)]
@@ -119,6 +119,29 @@ impl TrilinLanes {
         }
     }
 
+    /// [`TrilinLanes::edges`] of voxels as they come: `out` has whole blocks, and the ray a word more at least.
+    pub fn edges_of_voxels(&self, ray: &[u16], offset: u32, out: &mut [i32]) {
+        let (lerp, lift, weights) = (self.lerp, self.lift, [offset; BLOCK]);
+        for (place, out) in out.as_chunks_mut::<BLOCK>().0.iter_mut().enumerate() {
+            let from = place * BLOCK;
+            if let (Some(near), Some(far)) = (ray[from..].first_chunk(), ray[from + 1..].first_chunk()) {
+                vectorised(
+                    #[inline(always)]
+                    || {
+                        let lifted = |voxels: &Block<u16>| {
+                            let mut lifted = [0; BLOCK];
+                            for i in 0..BLOCK {
+                                lifted[i] = i32::from(voxels[i]) << lift;
+                            }
+                            lifted
+                        };
+                        lerp.block(&lifted(near), &lifted(far), &weights, out);
+                    },
+                );
+            }
+        }
+    }
+
     /// A ray lerped with another by the weights of its samples. All have whole blocks.
     pub fn lerps(&self, near: &[i32], far: &[i32], weights: &[u32], out: &mut [i32]) {
         let lerp = self.lerp;
@@ -135,19 +158,50 @@ impl TrilinLanes {
     pub fn samples(&self, near: &[i32], far: &[i32], weights: &[u32], out: &mut [SampleBlock]) {
         let lerp = self.lerp;
         let inputs = near.as_chunks().0.iter().zip(far.as_chunks().0).zip(weights.as_chunks().0);
-        for (((near, far), weights), SampleBlock { samples, present }) in inputs.zip(out) {
-            let present = *present;
+        for (((near, far), weights), out) in inputs.zip(out) {
+            vectorised(
+                #[inline(always)]
+                || present(lerp, near, far, weights, out),
+            );
+        }
+    }
+
+    /// The lerp along u of the plane below, of the ray on the left and the one on the right, into `below`, and the samples between the
+    /// current plane and it. `weights` are those along u and along v; all have whole blocks.
+    pub fn samples_below(
+        &self,
+        [left, right]: [&[i32]; 2],
+        current: &[i32],
+        weights: [&[u32]; 2],
+        below: &mut [i32],
+        out: &mut [SampleBlock],
+    ) {
+        let lerp = self.lerp;
+        let [along_u, along_v] = weights.map(|weights| weights.as_chunks().0);
+        let inputs = left.as_chunks().0.iter().zip(right.as_chunks().0).zip(current.as_chunks().0);
+        let outputs = below.as_chunks_mut().0.iter_mut().zip(out);
+        for ((((left, right), current), (along_u, along_v)), (below, out)) in
+            inputs.zip(along_u.iter().zip(along_v)).zip(outputs)
+        {
             vectorised(
                 #[inline(always)]
                 || {
-                    let mut all = [0; BLOCK];
-                    lerp.block(near, far, weights, &mut all);
-                    for i in 0..BLOCK {
-                        samples[i] = if present & (1 << i) == 0 { 0 } else { all[i] };
-                    }
+                    lerp.block(left, right, along_u, below);
+                    present(lerp, current, below, along_v, out);
                 },
             );
         }
+    }
+}
+
+/// A lerp where a sample is present, and 0 elsewhere.
+#[inline(always)]
+fn present(lerp: LerpLanes, near: &Block<i32>, far: &Block<i32>, weights: &Block<u32>, out: &mut SampleBlock) {
+    let mut all = [0; BLOCK];
+    lerp.block(near, far, weights, &mut all);
+    let SampleBlock { samples, present } = out;
+    for i in 0..BLOCK {
+        samples[i] = if *present & (1 << i) == 0 { 0 } else { all[i] };
     }
 }
 
@@ -206,9 +260,10 @@ mod tests {
                 voxels.resize(room + BLOCK, 0);
                 let mut ray = vec![0; room + BLOCK];
                 lanes.lift_ray(&voxels, &mut ray);
-                ray
+                (voxels, ray)
             };
-            let rays = [[ray(0), ray(1)], [ray(2), ray(3)]];
+            let [(v0, r0), (v1, r1), (v2, r2), (v3, r3)] = [ray(0), ray(1), ray(2), ray(3)];
+            let (voxels, rays) = ([[v0, v1], [v2, v3]], [[r0, r1], [r2, r3]]);
             let offset = weight(0);
             let row = |first: usize| (0..room).map(|k| if k < depth - 1 { weight(first + k) } else { 0 }).collect();
             let (weights_u, weights_v): (Vec<u32>, Vec<u32>) = (row(1), row(depth));
@@ -216,6 +271,9 @@ mod tests {
             for v in 0..2 {
                 for u in 0..2 {
                     lanes.edges(&rays[v][u], offset, &mut edges[v][u]);
+                    let mut same = vec![0; room];
+                    lanes.edges_of_voxels(&voxels[v][u], offset, &mut same);
+                    prop_assert_eq!(&same, &edges[v][u]);
                 }
             }
             let mut sides = vec![vec![0; room]; 2];
@@ -227,6 +285,11 @@ mod tests {
             let block = |present| SampleBlock { present, ..SampleBlock::default() };
             let mut masked: Vec<SampleBlock> = seed[..room / BLOCK].iter().map(|&bits| block(bits)).collect();
             lanes.samples(&sides[0], &sides[1], &weights_v, &mut masked);
+            let (mut below, mut same) = (vec![0; room], masked.clone());
+            let edges = [edges[1][0].as_slice(), &edges[1][1]];
+            lanes.samples_below(edges, &sides[0], [&weights_u, &weights_v], &mut below, &mut same);
+            prop_assert_eq!(&below, &sides[1]);
+            prop_assert_eq!(&same, &masked);
             for k in 0..room {
                 let there = seed[k / BLOCK] >> (k % BLOCK) & 1 != 0;
                 prop_assert_eq!(masked[k / BLOCK].samples[k % BLOCK], if there { samples[k] } else { 0 });

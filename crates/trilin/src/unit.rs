@@ -33,6 +33,7 @@ pub struct RaySamples(pub Vec<SampleBlock>);
 
 /// A block of samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C, align(64))]
 pub struct SampleBlock {
     /// Sample words; 0 where there is none.
     pub samples: Block<i32>,
@@ -234,11 +235,7 @@ impl Interpolator {
             lerps: 0,
             weights,
             bounds: Bounds::new(geometry),
-            rows: Rows {
-                words: vec![0; row + BLOCK],
-                edges: [empty(), empty()],
-                lerped: [empty(), empty()],
-            },
+            rows: Rows { words: vec![0; row + BLOCK], edges: [empty(), empty()], lerped: [empty(), empty()] },
         }
     }
 
@@ -251,19 +248,23 @@ impl Interpolator {
         matches!(self.reuse, Reuse::Ray | Reuse::Both)
     }
 
-    /// The lerp along u of one plane (0 current, 1 below) between the ray before and the newest.
-    fn side(&mut self, offset: u32, plane: usize) {
-        let Interpolator { arithmetic, before, newest, weights, rows, .. } = self;
-        let Rows { edges: [left, right], lerped, .. } = rows;
-        let (mut near, mut far) = (before[plane].edges.as_slice(), newest[plane].edges.as_slice());
-        if !matches!(self.reuse, Reuse::Ray | Reuse::Both) {
-            arithmetic.edges(&before[plane].voxels, offset, left);
-            arithmetic.edges(&newest[plane].voxels, offset, right);
-            (near, far) = (left, right);
+    /// The edges of one plane (0 current, 1 below) of the ray before and the newest are made where they are not kept.
+    fn edges(&mut self, offset: u32, plane: usize) {
+        if !self.keeps_rays() {
+            for (held, edges) in [&self.before, &self.newest].into_iter().zip(&mut self.rows.edges) {
+                self.arithmetic.edges(&held[plane].voxels, offset, edges);
+            }
             self.lerps += 2;
         }
-        arithmetic.lerps(near, far, &weights[0], &mut lerped[plane]);
         self.lerps += 1;
+    }
+
+    /// Their lerp along u of the current plane.
+    fn side(&mut self, offset: u32) {
+        self.edges(offset, 0);
+        let Interpolator { arithmetic, before, newest, weights, rows: Rows { edges, lerped, .. }, .. } = self;
+        let [left, right] = edges_of_plane(self.reuse, [before, newest], edges, 0);
+        arithmetic.lerps(left, right, &weights[0], &mut lerped[0]);
     }
 
     /// The lerp along u of one plane in the cell that the ray before has for itself: its voxels are those of both columns.
@@ -302,14 +303,16 @@ impl Interpolate for Interpolator {
                 continue;
             }
             let (held, words) = (&mut self.newest[i], &mut self.rows.words);
+            if keeps_rays && !doubled {
+                into_depths(ray, self.lanes, slot, &mut words[..depths]);
+                self.arithmetic.edges_of_voxels(words, setup.geometry.offset, &mut held.edges);
+                self.lerps += 1;
+                continue;
+            }
             let rays = ray.chunks(depths.div_ceil(self.lanes) * self.lanes);
             for (ray, voxels) in rays.zip(held.voxels.chunks_mut(self.row + BLOCK)) {
                 into_depths(ray, self.lanes, slot, &mut words[..depths]);
                 self.arithmetic.lift_ray(words, voxels);
-            }
-            if keeps_rays && !doubled {
-                self.arithmetic.edges(&held.voxels, setup.geometry.offset, &mut held.edges);
-                self.lerps += 1;
             }
         }
         if slot == 0 {
@@ -335,25 +338,37 @@ impl Interpolate for Interpolator {
         if let Some(pass) = &geometry.perspective {
             self.aim(pass, plane, slot, geometry.size[2]);
         }
+        output.0.resize(self.row / BLOCK, SampleBlock::default());
+        Self::inside(&mut self.bounds, geometry, plane, slot, &mut output.0);
+        self.lerps += 1;
         if geometry.doubled() {
             self.cell_side(geometry.offset, 0);
             self.cell_side(geometry.offset, 1);
+            let [current, below] = &self.rows.lerped;
+            self.arithmetic.samples(current, below, &self.weights[1], &mut output.0);
         } else {
             if keeps_planes && plane > 0 {
                 std::mem::swap(&mut self.rows.lerped[0], &mut self.sides[slot]);
             } else {
-                self.side(geometry.offset, 0);
+                self.side(geometry.offset);
             }
-            self.side(geometry.offset, 1);
+            self.edges(geometry.offset, 1);
+            let Interpolator { arithmetic, before, newest, weights, rows, .. } = self;
+            let Rows { edges, lerped: [current, below], .. } = rows;
+            let edges = edges_of_plane(self.reuse, [before, newest], edges, 1);
+            arithmetic.samples_below(edges, current, [&weights[0], &weights[1]], below, &mut output.0);
         }
-        output.0.resize(self.row / BLOCK, SampleBlock::default());
-        let Rows { lerped: [current, below], .. } = &mut self.rows;
-        Self::inside(&mut self.bounds, geometry, plane, slot, &mut output.0);
-        self.arithmetic.samples(current, below, &self.weights[1], &mut output.0);
-        self.lerps += 1;
         if keeps_planes {
-            std::mem::swap(&mut self.sides[slot], below);
+            std::mem::swap(&mut self.sides[slot], &mut self.rows.lerped[1]);
         }
+    }
+}
+
+/// The edges of a plane of the ray before and the newest: kept, or made again.
+fn edges_of_plane<'a>(reuse: Reuse, held: [&'a [Held; 2]; 2], made: &'a [Vec<i32>; 2], plane: usize) -> [&'a [i32]; 2] {
+    match reuse {
+        Reuse::Ray | Reuse::Both => [&held[0][plane].edges, &held[1][plane].edges],
+        Reuse::None | Reuse::Plane => [&made[0], &made[1]],
     }
 }
 

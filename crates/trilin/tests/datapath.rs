@@ -61,15 +61,10 @@ fn ray(setup: &FrameSetup, lanes: usize, plane: usize, slot: usize, voxel: &impl
 }
 
 /// What the definition says of a slot.
-fn expected(
-    setup: &FrameSetup,
-    plane: usize,
-    slot: usize,
-    voxel: &impl Fn([usize; 3]) -> u16,
-) -> Vec<Option<i32>> {
+fn expected(setup: &FrameSetup, plane: usize, slot: usize, voxel: &impl Fn([usize; 3]) -> u16) -> Vec<Option<i32>> {
     let geometry = &setup.geometry;
     let mut samples = vec![None; geometry.size[2]];
-    for k in 0..geometry.size[2] {
+    for (k, sample) in samples.iter_mut().enumerate() {
         let owner = geometry.ray_in_slot(plane, slot, k);
         if geometry.has_sample(owner, k as i64) {
             let corners = [0, 1].map(|w: usize| {
@@ -81,7 +76,7 @@ fn expected(
                 })
             });
             let weights = Weights { w: geometry.offset, u: geometry.u.weights[k], v: geometry.v.weights[k] };
-            samples[k] = Some(cell(corners, weights, &setup.words));
+            *sample = Some(cell(corners, weights, &setup.words));
         }
     }
     samples

@@ -20,10 +20,15 @@ pub type Block<T> = [T; BLOCK];
 /// The lanes of a row from `from` on, which is not beyond its end; lanes that it lacks hold zeros.
 #[inline(always)]
 pub fn block<T: Copy + Default>(row: &[T], from: usize) -> Block<T> {
-    let row = &row[from..];
-    if let Some(block) = row.first_chunk() {
-        return *block;
+    match row[from..].first_chunk() {
+        Some(block) => *block,
+        None => rest(&row[from..]),
     }
+}
+
+/// A block that is not whole. Of its own, so that whole ones are moved as such and not as many words as there are.
+#[cold]
+fn rest<T: Copy + Default>(row: &[T]) -> Block<T> {
     let mut block = [T::default(); BLOCK];
     block[..row.len()].copy_from_slice(row);
     block
@@ -32,12 +37,16 @@ pub fn block<T: Copy + Default>(row: &[T], from: usize) -> Block<T> {
 /// Puts a block into the lanes of a row from `from` on, which is not beyond its end; lanes that it lacks are dropped.
 #[inline(always)]
 pub fn put_block<T: Copy>(block: &Block<T>, row: &mut [T], from: usize) {
-    let row = &mut row[from..];
-    if let Some(lanes) = row.first_chunk_mut() {
-        *lanes = *block;
-    } else {
-        row.copy_from_slice(&block[..row.len()]);
+    match row[from..].first_chunk_mut() {
+        Some(lanes) => *lanes = *block,
+        None => put_rest(block, &mut row[from..]),
     }
+}
+
+/// See [`rest`].
+#[cold]
+fn put_rest<T: Copy>(block: &Block<T>, row: &mut [T]) {
+    row.copy_from_slice(&block[..row.len()]);
 }
 
 /// A ring of lanes, turned by less than its length: what was in lane l is in `(l + by) mod n`. Both rows have n words.

@@ -160,7 +160,10 @@ impl Unit for Classify {
             out.present[0] = 1;
             let first = |word| std::array::from_fn(|lane| if lane == 0 { word } else { 0 });
             out.samples[0] = line.sample;
-            cube3_word::vectorised(|| lanes.block(&first(line.magnitude), &first(line.class), &mut out));
+            cube3_word::vectorised(|| {
+                lanes.opacity(&first(line.magnitude), &first(line.class), &mut out);
+                lanes.colour(&mut out);
+            });
             let visible = out.present[0] != 0;
             // A sample that does not take part has no colour: the lanes clear it with the transparent ones, behind the light.
             self::answer(visible, out.opacity[0], [0, 1, 2].map(|i| if visible { out.colour[i][0] } else { 0 }))
