@@ -2,16 +2,16 @@
 
 mod registers;
 
-use cube3_abc::golden::{Local, Neighbourhood, Shaded, local_gradient, shade};
+use cube3_abc::golden::{Local, Neighbourhood, Shaded, halfway, local_gradient, shade, view_vector};
 use cube3_abc::lanes::{AbcLanes, ShadedRow};
 use cube3_host::{
-    Abc, Bus, BusKind, FrameSetup, GradientMethod, GradientRegisters, GradientScale, MachineSpec, ShadingUnit,
-    VolumeInfo, picture_setup,
+    Abc, Bus, BusKind, FrameSetup, GradientMethod, GradientRegisters, GradientScale, MachineSpec, RayRegisters,
+    ShadingUnit, VolumeInfo, picture_setup,
 };
 use cube3_scene::{Image, Mode, Perspective, Scene, View};
 use cube3_word::{Words, unit_full};
 use proptest::prelude::*;
-use registers::{Dice, machine, neighbourhood, scene, words};
+use registers::{Dice, machine, neighbourhood, normaliser, scene, words};
 
 const METHODS: [GradientMethod; 5] = [
     GradientMethod::Six,
@@ -97,6 +97,42 @@ proptest! {
                 }
             }
         }
+    }
+
+    #[test]
+    fn view_vectors_and_halfway_vectors_have_length_one_and_the_direction_of_their_sum(
+        light in prop::array::uniform3(-2048_i32..=2048), view in prop::array::uniform3(-2048_i32..=2048),
+    ) {
+        let words = Words { normal_bits: 12, ..Words::default() };
+        let table = normaliser(12, 10);
+        let near = |got: [i32; 3], vector: [i32; 3]| {
+            let length = vector.iter().map(|&x| f64::from(x) * f64::from(x)).sum::<f64>().sqrt();
+            // The block has 12 bits, and so have the components.
+            got.iter().zip(vector).all(|(&got, x)| (f64::from(got) - 2048.0 * f64::from(x) / length).abs() < 3.0)
+        };
+        let sum = [0, 1, 2].map(|i| light[i] + view[i]);
+        prop_assume!(sum != [0; 3] && view != [0; 3]);
+        let half = halfway(light, view, &table, &words);
+        prop_assert!(near(half, sum), "{:?} of {:?}", half, sum);
+        prop_assert_eq!(halfway(view, light, &table, &words), half);
+        prop_assert_eq!(halfway(view, view.map(|x| -x), &table, &words), [0; 3]);
+        // Components of other rays lie beside those of the ray.
+        let rays = RayRegisters {
+            view_u: vec![-7, view[0], 999],
+            view_v: vec![view[1], 5],
+            view_w: view[2],
+            at_eye: Vec::new(),
+            length_u: Vec::new(),
+            length_v: Vec::new(),
+            length_classes: 1,
+            slope_u: Vec::new(),
+            slope_v: Vec::new(),
+            closeness: Vec::new(),
+            factors: Vec::new(),
+            nearness: None,
+        };
+        let seen = view_vector(0, 1, &rays, &table, &words);
+        prop_assert!(near(seen, view), "{:?} of {:?}", seen, view);
     }
 
     #[test]
