@@ -3,7 +3,7 @@
 use cube3_cone::golden::{Node, combine_wires, pixel, pixel_wires};
 use cube3_host::{ConeOrder, ConeRegisters};
 use cube3_scene::Mode;
-use cube3_word::{Probe, Words, unit_full};
+use cube3_word::{Probe, Rounding, Words, unit_full};
 
 /// Wires by name and place, with their values.
 #[derive(Default)]
@@ -55,5 +55,27 @@ fn a_sum_overflows_above_white_and_not_at_it() {
         assert_eq!(counted, pixel(node, &cone, &words));
         let overflow: Vec<_> = wires.0.into_iter().filter(|(name, ..)| *name == "overflow").collect();
         assert_eq!(overflow, [("overflow", 0, 0), ("overflow", 1, 0), ("overflow", 2, 1), ("overflow", 3, 1)]);
+    }
+}
+
+#[test]
+fn a_mean_is_rounded_as_the_words_say() {
+    let cone = |sum_weight| ConeRegisters {
+        mode: Mode::WeightedSum,
+        order: ConeOrder::Tree,
+        leaves: 1,
+        opaque: 1,
+        sum_weight,
+    };
+    let node = Node { present: true, sample: 0, rgba: [1, 2, 3, 5] };
+    let one = 1_u64 << ConeRegisters::WEIGHT_BITS;
+    for (rounding, half, fourth) in
+        [(Rounding::Nearest, [1, 1, 2, 3], [0, 1, 1, 1]), (Rounding::Truncate, [0, 1, 1, 2], [0, 0, 0, 1])]
+    {
+        let words = Words { rounding, ..Words::default() };
+        assert_eq!(pixel(node, &cone(one / 2), &words).value, half, "{rounding:?}");
+        assert_eq!(pixel(node, &cone(one / 4), &words).value, fourth, "{rounding:?}");
+        // Just below one half.
+        assert_eq!(pixel(node, &cone(one / 2 - 1), &words).value[0], 0, "{rounding:?}");
     }
 }
