@@ -85,11 +85,11 @@ proptest! {
             let mut lanes = AbcLanes::new(&setup, skip);
             for _ in 0..3 {
                 let [u, v, k] = [&us, &vs, &depths].map(|range| dice.within(range.start, range.end - 1));
-                // A part of a plane's rays at one depth, and then all depths of a ray.
+                // A part of a plane's rays at one depth, all depths of a ray, and none: no lane is asked for then.
                 let from = dice.within(us.start, u);
                 let row: Vec<[i64; 3]> = (from..us.end).map(|u| [u, v, k]).collect();
                 let ray: Vec<[i64; 3]> = depths.clone().map(|k| [u, v, k]).collect();
-                for (at, aimed) in [(row, from..us.end), (ray, u..u + 1)] {
+                for (at, aimed) in [(row, from..us.end), (ray, u..u + 1), (Vec::new(), u..u)] {
                     let samples: Vec<Neighbourhood> =
                         at.iter().map(|_| neighbourhood(&mut dice, setup.words.sample_bits())).collect();
                     lanes.aim(v, aimed);
