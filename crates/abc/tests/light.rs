@@ -3,9 +3,9 @@
 mod registers;
 
 use cube3_abc::golden::{direction_index, lit, normalise, phong, reflectance};
-use cube3_host::{GradientMethod, MachineSpec, Shading, ShadingUnit, VolumeInfo, frame_setup};
+use cube3_host::{GradientMethod, MachineSpec, Phong, PhongLight, Shading, ShadingUnit, VolumeInfo, frame_setup};
 use cube3_scene::{Light, Material, Scene, View, resolve_lights};
-use cube3_word::{quantise_unit, unit_full};
+use cube3_word::{Words, quantise_unit, unit_full};
 use glam::DVec3;
 use registers::{Dice, direction};
 
@@ -160,4 +160,32 @@ fn more_than_white_is_white_and_counted() {
     let normal = normalise([0, 0, 1000], setup.normaliser.as_ref().unwrap(), &setup.words).direction;
     let counted = lit([4095, 4095, 4095], phong(normal, registers, &setup.words), &setup.words);
     assert_eq!((counted.value, counted.overflows), ([4095, 4095, 0], 2));
+}
+
+#[test]
+fn rows_of_normals_are_lit_as_each_alone() {
+    let words = Words { normal_bits: 8, colour_bits: 8, ..Words::default() };
+    let light =
+        |direction: [i32; 3], halfway, level| PhongLight { direction, halfway, diffuse: level, specular: level };
+    for two_sided in [false, true] {
+        let registers = Phong {
+            ambient: 20,
+            two_sided,
+            lights: vec![
+                light([0, 0, -128], [90, 0, -90], [100, 50, 0]),
+                light([-128, 0, 0], [0, 128, 0], [7, 200, 255]),
+            ],
+            power: (0..=16).map(|i| i * 16).collect(),
+            power_bits: 4,
+        };
+        let normals: Vec<[i32; 3]> = (0..125_i32).map(|i| [i % 5, i / 5 % 5, i / 25].map(|x| (x - 2) * 64)).collect();
+        let rows = [0, 1, 2].map(|axis| normals.iter().map(|normal| normal[axis]).collect());
+        let [diffuse, specular] = cube3_abc::lanes::phong_rows(rows, &registers, &words);
+        for (lane, &normal) in normals.iter().enumerate() {
+            let alone = phong(normal, &registers, &words);
+            assert_eq!(diffuse.each_ref().map(|row| row[lane]), alone.diffuse, "{normal:?}");
+            assert_eq!(specular.each_ref().map(|row| row[lane]), alone.specular, "{normal:?}");
+        }
+        assert!(diffuse.iter().all(|row| row.len() == normals.len()));
+    }
 }

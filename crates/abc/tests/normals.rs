@@ -168,3 +168,16 @@ fn every_cell_of_a_small_table_is_reached() {
     gradients(15).filter_map(|gradient| direction_index(gradient, 3)).for_each(|index| seen[index] = true);
     assert!(seen.iter().all(|&seen| seen));
 }
+
+#[test]
+fn rows_of_gradients_are_normalised_as_each_alone() {
+    let (words, table) = (Words { normal_bits: 9, ..Words::default() }, normaliser(9, 6));
+    let gradients: Vec<[i32; 3]> = (0..343_i32).map(|i| [i % 7, i / 7 % 7, i / 49].map(|x| (x - 3).pow(5))).collect();
+    let rows = [0, 1, 2].map(|axis| gradients.iter().map(|gradient| gradient[axis]).collect());
+    let (direction, magnitude) = cube3_abc::lanes::normalise_rows(rows, &table, &words);
+    for (lane, &gradient) in gradients.iter().enumerate() {
+        let alone = normalise(gradient, &table, &words);
+        assert_eq!(direction.each_ref().map(|row| row[lane]), alone.direction, "{gradient:?}");
+        assert_eq!(magnitude[lane], alone.magnitude, "{gradient:?}");
+    }
+}

@@ -66,8 +66,13 @@ fn a_double_buffer_shows_a_volume_when_its_halves_change_roles() {
 
 #[test]
 fn a_buffer_beyond_the_limit_is_refused_with_its_bytes_before_memory_is_taken() {
-    let skew = Skew { coefficients: [1, 1, 1], lanes: 4096 };
-    let error = FrameBuffer::new(skew, [4096, 4096, 257], &[]).unwrap_err();
-    let bytes = 2 * 4096 * 4096 * 257;
-    assert_eq!(error, FrameBufferError::Memory { bytes, limit: FrameBuffer::LIMIT_BYTES, depth: 1 });
+    // One voxel, but all words of a row are in one module; and a volume that is too large.
+    for (coefficients, lanes, dims, bytes, depth) in [
+        ([0, 1, 1], 65_537, [1; 3], 2 * 65_537 * 65_537, 65_537),
+        ([1; 3], 4096, [4096, 4096, 257], 2 * 4096 * 4096 * 257, 1),
+    ] {
+        // A buffer is too large to be shown.
+        let error = FrameBuffer::new(Skew { coefficients, lanes }, dims, &[]).err();
+        assert_eq!(error, Some(FrameBufferError::Memory { bytes, limit: FrameBuffer::LIMIT_BYTES, depth }));
+    }
 }

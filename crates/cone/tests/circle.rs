@@ -56,6 +56,7 @@ proptest! {
             }
             for start in 0..count {
                 let leaf = |place: usize| {
+                    assert!(place < count, "{place} is no place of the circle");
                     let depth = (place + count - start) % count;
                     Segment { ray: ray(of(depth)), node: depths[depth] }
                 };

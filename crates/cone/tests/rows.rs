@@ -167,3 +167,29 @@ fn a_ray_without_samples_has_no_pixel_and_one_between_others_a_clear_one() {
     lanes.finish(|u, rgba| pixels.push((u, rgba[3])));
     assert_eq!(pixels, []);
 }
+
+#[test]
+fn depths_without_samples_add_no_ray_to_the_pixels() {
+    let words = Words::default();
+    let white = Shaded { present: true, sample: 9, opacity: 4095, colour: [4095; 3] };
+    let row = shaded_row(&[white, white], true);
+    for (mode, order) in Mode::ALL.into_iter().flat_map(|mode| ORDERS.map(|order| (mode, order))) {
+        let sum_weight = 1 << ConeRegisters::WEIGHT_BITS;
+        let cone = ConeRegisters { mode, order, leaves: 4, opaque: 1, sum_weight };
+        for start in [5_i64, -7] {
+            // Nothing in front, between, and behind.
+            for full in [0_u32, 1, 2, 3, 6, 7] {
+                let mut lanes = ConeLanes::<u32>::new(cone, words);
+                for depth in 0..8 {
+                    match depth == full {
+                        true => lanes.push(Some((start, &row, |_: usize| 9))),
+                        false => lanes.push(None::<(i64, &ShadedRow, fn(usize) -> i32)>),
+                    }
+                }
+                let mut pixels = Vec::new();
+                lanes.finish(|u, rgba| pixels.push((u, rgba[3])));
+                assert_eq!(pixels, [(start, 65_535), (start + 1, 65_535)], "{mode}, {order:?}, depth {full}");
+            }
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! Definitions that are broken on purpose: the list of breaks, and a copy of the workspace in which each is made and must be caught.
+
+use serde::Deserialize;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitStatus, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// How long a test program may run before it counts as stuck.
+const LIMIT: Duration = Duration::from_secs(120);
+
+/// What a copy is made of, from the workspace's root.
+const PARTS: [&str; 5] = ["Cargo.toml", "Cargo.lock", "crates", "sim", "tests"];
+
+/// A definition broken on purpose: one place of its text is replaced.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Break {
+    /// What is wrong then.
+    pub what: String,
+    /// The file, from the workspace's root.
+    pub file: String,
+    /// Text that is there once.
+    pub find: String,
+    /// What stands there instead.
+    pub replace: String,
+}
+
+/// `tests/golden_breaks.toml`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Breaks {
+    #[serde(rename = "break")]
+    breaks: Vec<Break>,
+}
+
+/// The root of the workspace.
+pub fn root() -> &'static Path {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR"));
+    tests.parent().unwrap_or(tests)
+}
+
+/// All breaks of `tests/golden_breaks.toml`.
+///
+/// # Panics
+/// Where the file cannot be read.
+pub fn breaks() -> Vec<Break> {
+    let path = root().join("tests/golden_breaks.toml");
+    let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let Breaks { breaks } = toml::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    breaks
+}
+
+/// The files that hold definitions, from the workspace's root, in order: every crate's `golden.rs`, and the arithmetic of words that
+/// they are made of.
+///
+/// # Panics
+/// Where the folder of the crates cannot be read.
+pub fn definitions() -> Vec<String> {
+    let folder = root().join("crates");
+    let crates = fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let golden = crates
+        .filter_map(|entry| Some(format!("crates/{}/src/golden.rs", entry.ok()?.file_name().to_string_lossy())))
+        .filter(|file| root().join(file).is_file());
+    let words = ["crates/word/src/rounding.rs", "crates/word/src/unit.rs"].map(String::from);
+    let files: BTreeSet<String> = golden.chain(words).collect();
+    files.into_iter().collect()
+}
+
+impl Break {
+    /// The text of the broken file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, and a text to be replaced that is not there exactly once.
+    pub fn text(&self) -> Result<String, String> {
+        let text = fs::read_to_string(root().join(&self.file)).map_err(|error| format!("{}: {error}", self.file))?;
+        match text.matches(&self.find).count() {
+            1 => Ok(text.replacen(&self.find, &self.replace, 1)),
+            count => Err(format!("{}: `{}` is there {count} times, not once ({})", self.file, self.find, self.what)),
+        }
+    }
+
+    /// The crate that the file belongs to, by its folder.
+    pub fn folder(&self) -> &str {
+        self.file.split('/').nth(1).unwrap_or_default()
+    }
+}
+
+/// What became of a copy's tests.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// All passed.
+    Passed,
+    /// One failed, or did not end.
+    Failed,
+}
+
+/// A copy of the workspace, which is compiled into a folder of its own.
+pub struct Copy {
+    folder: PathBuf,
+}
+
+impl Copy {
+    /// Makes the copy under a folder, or brings up to date what is there: what has not changed is not compiled again.
+    ///
+    /// # Errors
+    /// What cannot be read or written.
+    pub fn new(folder: &Path) -> Result<Copy, String> {
+        let copy = Copy { folder: folder.to_path_buf() };
+        let sources = copy.sources();
+        fs::create_dir_all(&sources).map_err(|error| format!("{}: {error}", sources.display()))?;
+        PARTS.iter().try_for_each(|part| mirror(&root().join(part), &sources.join(part)))?;
+        Ok(copy)
+    }
+
+    fn sources(&self) -> PathBuf {
+        self.folder.join("workspace")
+    }
+
+    /// The tests of a crate, by its folder, as they are.
+    ///
+    /// # Errors
+    /// What does not compile.
+    pub fn test(&self, name: &str) -> Result<Outcome, String> {
+        // Most breaks are caught by the unit tests, and the others need not be compiled then.
+        for targets in ["--lib", "--tests"] {
+            for program in self.compile(name, targets)? {
+                let mut run = Command::new(&program);
+                run.current_dir(self.sources().join("crates").join(name)).arg("--quiet");
+                // What is found need not be made small.
+                run.env("PROPTEST_DISABLE_FAILURE_PERSISTENCE", "true").env("PROPTEST_MAX_SHRINK_ITERS", "0");
+                run.stdout(Stdio::null()).stderr(Stdio::null());
+                if !ended(&mut run)?.is_some_and(|status| status.success()) {
+                    return Ok(Outcome::Failed);
+                }
+            }
+        }
+        Ok(Outcome::Passed)
+    }
+
+    /// The tests of the broken crate. The file is whole again afterwards.
+    ///
+    /// # Errors
+    /// A break that does not compile, and files that cannot be read or written.
+    pub fn test_broken(&self, of: &Break) -> Result<Outcome, String> {
+        let path = self.sources().join(&of.file);
+        let write = |text: &str| fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()));
+        let whole = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        write(&of.text()?)?;
+        let outcome = self.test(of.folder());
+        write(&whole)?;
+        outcome
+    }
+
+    /// Compiles tests of a crate; the programs.
+    fn compile(&self, name: &str, targets: &str) -> Result<Vec<PathBuf>, String> {
+        let mut cargo = Command::new("cargo");
+        cargo.args(["test", "--no-run", "--profile", "mutants", "--message-format", "json-render-diagnostics"]);
+        cargo.args(["--package", &format!("cube3-{name}"), targets]).env("CARGO_TARGET_DIR", self.folder.join("made"));
+        let output = cargo.current_dir(self.sources()).output().map_err(|error| format!("cargo: {error}"))?;
+        if !output.status.success() {
+            return Err(format!("cube3-{name} does not compile\n{}", String::from_utf8_lossy(&output.stderr)));
+        }
+        let messages = String::from_utf8_lossy(&output.stdout).into_owned();
+        let programs = messages.lines().filter_map(|line| {
+            let message: Message = serde_json::from_str(line).ok()?;
+            message.executable
+        });
+        Ok(programs.collect())
+    }
+}
+
+/// What cargo says of a program that it has made.
+#[derive(Deserialize)]
+struct Message {
+    executable: Option<PathBuf>,
+}
+
+/// Runs a program to its end; none where it is stuck and was stopped.
+fn ended(program: &mut Command) -> Result<Option<ExitStatus>, String> {
+    let name = PathBuf::from(program.get_program());
+    let fault = |error: std::io::Error| format!("{}: {error}", name.display());
+    let start = Instant::now();
+    let mut child = program.spawn().map_err(fault)?;
+    while start.elapsed() < LIMIT {
+        if let Some(status) = child.try_wait().map_err(fault)? {
+            return Ok(Some(status));
+        }
+        sleep(Duration::from_millis(5));
+    }
+    child.kill().and_then(|()| child.wait()).map_err(fault)?;
+    Ok(None)
+}
+
+/// Makes `to` what `from` is: a file, or a folder with all that is in it. Files that are the same are not touched.
+fn mirror(from: &Path, to: &Path) -> Result<(), String> {
+    let fault = |path: &Path, error: std::io::Error| format!("{}: {error}", path.display());
+    if from.is_file() {
+        let bytes = fs::read(from).map_err(|error| fault(from, error))?;
+        if fs::read(to).is_ok_and(|there| there == bytes) {
+            return Ok(());
+        }
+        return fs::write(to, bytes).map_err(|error| fault(to, error));
+    }
+    fs::create_dir_all(to).map_err(|error| fault(to, error))?;
+    let names = |folder: &Path| -> Result<BTreeSet<std::ffi::OsString>, String> {
+        let entries = fs::read_dir(folder).map_err(|error| fault(folder, error))?;
+        entries.map(|entry| Ok(entry.map_err(|error| fault(folder, error))?.file_name())).collect()
+    };
+    let wanted = names(from)?;
+    for gone in names(to)?.difference(&wanted).map(|name| to.join(name)) {
+        let removed = if gone.is_dir() { fs::remove_dir_all(&gone) } else { fs::remove_file(&gone) };
+        removed.map_err(|error| fault(&gone, error))?;
+    }
+    wanted.iter().try_for_each(|name| mirror(&from.join(name), &to.join(name)))
+}
