@@ -296,8 +296,8 @@ impl Interpolate for Interpolator {
         std::mem::swap(&mut self.before, &mut self.newest);
         let slot = pair.slot as usize;
         let keeps_rays = self.keeps_rays();
-        // Where lerps of planes are kept, those of the current one have been made already.
-        let current_needed = self.sides.is_empty() || pair.plane == 0;
+        // Where lerps of planes are kept, those of the current one have been made already; a cell of its own shares none.
+        let current_needed = self.sides.is_empty() || pair.plane == 0 || doubled;
         for (i, ray) in [&pair.data.current, &pair.data.below].into_iter().enumerate() {
             if i == 0 && !current_needed {
                 continue;
