@@ -107,9 +107,15 @@ impl FrameBuffer {
         }
     }
 
-    fn place(&self, xyz: [usize; 3]) -> usize {
+    /// The module that holds a voxel of the volume, and its word there.
+    pub fn module_and_address(&self, xyz: [usize; 3]) -> [usize; 2] {
         let module = self.placement.skew.module(xyz.map(|i| i as i64));
-        module * self.words_each + self.terms[0][xyz[0]] + self.terms[1][xyz[1]] + self.terms[2][xyz[2]]
+        [module, self.terms[0][xyz[0]] + self.terms[1][xyz[1]] + self.terms[2][xyz[2]]]
+    }
+
+    fn place(&self, xyz: [usize; 3]) -> usize {
+        let [module, address] = self.module_and_address(xyz);
+        module * self.words_each + address
     }
 
     /// Reads the beam along u at row `v` and plane `w` into lane order: voxel u of the beam goes to
