@@ -7,7 +7,7 @@ use cube3::{inputs, rtl_frame};
 use cube3_host::{Abc, BasePlane, DiscreteRay, FrameSetup, GradientMethod, MachineSpec, VolumeInfo, frame_setup};
 use cube3_scene::{Light, Material, Mode, Scene, View, VolumeSource};
 use cube3_volume::ReadOptions;
-use cube3_word::Words;
+use cube3_word::{Rounding, Words};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -385,6 +385,23 @@ impl Frame {
             Some(format!("cycle {cycle}: the units do {rtl:?}, and by Machine::cycle {ours:?}"))
         };
         Ok(run.difference(&self.ours, &self.setup).or_else(activity))
+    }
+}
+
+/// Words that lose bits everywhere, truncated.
+pub fn narrow() -> Words {
+    Words {
+        voxel_bits: 8,
+        weight_bits: 4,
+        sample_fraction_bits: 2,
+        gradient_bits: 7,
+        normal_bits: 8,
+        table_bits: 6,
+        table_gradient_bits: 4,
+        colour_bits: 6,
+        opacity_bits: 5,
+        accumulator_bits: 9,
+        rounding: Rounding::Truncate,
     }
 }
 

@@ -8,8 +8,8 @@ use cube3_host::{
 use cube3_scene::{Crop, DepthCue, Layer, Light, Mode, Perspective, Scene, Threshold, View};
 use cube3_tests::SmallVolume;
 use cube3_tests::rtl::{self, Parameters};
-use cube3_tests::rtl_pipeline::{Case, Design, Effort, Frame, Simulator, lit, machine, noise, phantom, scene};
-use cube3_word::{Rounding, Words};
+use cube3_tests::rtl_pipeline::{Case, Design, Effort, Frame, Simulator, lit, machine, narrow, noise, phantom, scene};
+use cube3_word::Words;
 use std::process::Command;
 
 /// Along an axis, tilted in u alone, in both, at 45° in both, and along other axes against their direction.
@@ -25,23 +25,6 @@ const DIRECTIONS: [[f64; 3]; 7] = [
 
 const MODES: [Mode; 3] = [Mode::Composite, Mode::Maximum, Mode::FirstOpaque];
 const OTHER_MODES: [Mode; 3] = [Mode::Minimum, Mode::LastOpaque, Mode::WeightedSum];
-
-/// Words that lose bits everywhere, truncated.
-fn narrow() -> Words {
-    Words {
-        voxel_bits: 8,
-        weight_bits: 4,
-        sample_fraction_bits: 2,
-        gradient_bits: 7,
-        normal_bits: 8,
-        table_bits: 6,
-        table_gradient_bits: 4,
-        colour_bits: 6,
-        opacity_bits: 5,
-        accumulator_bits: 9,
-        rounding: Rounding::Truncate,
-    }
-}
 
 /// Runs cases of the same parameters in one compiled design.
 fn check(simulator: Simulator, cases: &[Case<'_>]) {

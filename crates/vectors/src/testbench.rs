@@ -59,7 +59,7 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
     let _ = writeln!(t, "\n    reg [{}:0] words [0:WORDS-1];", widest - 1);
     let _ = writeln!(t, "    reg [8*250-1:0] path;");
     let _ = writeln!(t, "    reg [8*{HEADER_CHARACTERS}-1:0] header;");
-    let _ = writeln!(t, "    integer file, answers, at, got, lines, line, differ;\n    reg fits;");
+    let _ = writeln!(t, "    integer file, answers, at, lines, line, differ;\n    reg fits;");
     if sheet.clocked {
         let _ = writeln!(t, "    reg clk, rst;");
     }
