@@ -188,7 +188,7 @@ impl VerifyArguments {
                 _ => format!("{equal} of {answered} equal in its lanes"),
             };
             print(&format!(
-                "{name:<14} {:>2} formats  {lines:>7} lines  {lanes:<40} {hold:>4} of {wires} ranges hold\n",
+                "{name:<14} {:>2} formats  {lines:>7} lines  {lanes:<41} {hold:>4} of {wires} ranges hold\n",
                 formats.len()
             ))?;
         }
