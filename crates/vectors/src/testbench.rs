@@ -171,12 +171,14 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
         let _ = writeln!(t, "            #1 clk = 1; #1 clk = 0;");
     }
     let _ = writeln!(t, "        end");
-    let _ = writeln!(t, "        if (answers != 0) $fclose(answers);");
     let _ = writeln!(
         t,
         "        $display(\"{module}: %0d of %0d lines differ\", differ, lines);
         if (differ > 0 && answers == 0) $fatal(1, \"{module}: lines differ\");
-        else $finish;
+        else begin
+            if (answers != 0) $fclose(answers);
+            $finish;
+        end
         end
     end
 endmodule"

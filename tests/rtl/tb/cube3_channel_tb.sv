@@ -87,10 +87,12 @@ module cube3_channel_tb;
             end
             #1 clk = 1; #1 clk = 0;
         end
-        if (answers != 0) $fclose(answers);
         $display("cube3_channel: %0d of %0d lines differ", differ, lines);
         if (differ > 0 && answers == 0) $fatal(1, "cube3_channel: lines differ");
-        else $finish;
+        else begin
+            if (answers != 0) $fclose(answers);
+            $finish;
+        end
         end
     end
 endmodule

@@ -72,10 +72,12 @@ module cube3_normalise_tb;
                 differ = differ + 1;
             end
         end
-        if (answers != 0) $fclose(answers);
         $display("cube3_normalise: %0d of %0d lines differ", differ, lines);
         if (differ > 0 && answers == 0) $fatal(1, "cube3_normalise: lines differ");
-        else $finish;
+        else begin
+            if (answers != 0) $fclose(answers);
+            $finish;
+        end
         end
     end
 endmodule
