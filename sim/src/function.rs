@@ -318,17 +318,8 @@ impl<'a, T: Accumulator> Worker<'a, T> {
 }
 
 /// The rays from `from` to `to` whose sample at plane `v` and depth `k` is inside of every clip.
-fn inside(clips: &[HalfSpace], v: i64, k: usize, mut from: i64, mut to: i64) -> (i64, i64) {
-    for clip in clips {
-        let step = clip.distance.u;
-        let at_zero = clip.distance.at(0, v, k as i64);
-        match step.signum() {
-            1 => from = from.max(-at_zero.div_euclid(step)),
-            -1 => to = to.min(at_zero.div_euclid(-step) + 1),
-            _ if at_zero < 0 => return (0, 0),
-            _ => {}
-        }
-    }
+fn inside(clips: &[HalfSpace], v: i64, k: usize, from: i64, to: i64) -> (i64, i64) {
+    let [from, to] = clips.iter().fold([from, to], |rays, clip| clip.interval(v, k as i64, rays));
     (from, to)
 }
 

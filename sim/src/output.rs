@@ -67,12 +67,29 @@ pub fn write_run(folder: &Path, result: &RunResult, scene: &Scene, machine: &Mac
     Ok(written)
 }
 
+/// Makes the folder of an option, if it is not there.
+///
+/// # Errors
+/// A folder that cannot be made.
+pub fn make_folder(folder: &Path, option: &str) -> Outcome<()> {
+    if folder.is_file() {
+        return Err(Problem::new(format!(
+            "{}: this is a file, and files are to be written into a folder; give another one with {option}",
+            folder.display()
+        )));
+    }
+    std::fs::create_dir_all(folder).map_err(|error| {
+        let path = folder.display();
+        Problem::new(format!("{path}: the folder cannot be made: {error}; give another one with {option}"))
+    })
+}
+
 /// Writes files into a folder, which is made if it is not there, and gives their paths.
 ///
 /// # Errors
 /// What cannot be written, with its path.
 pub fn write_files(folder: &Path, files: &[(&str, Vec<u8>)]) -> Outcome<Vec<String>> {
-    std::fs::create_dir_all(folder).map_err(|error| failed(folder, error))?;
+    make_folder(folder, "--out")?;
     let write = |(name, bytes): &(&str, Vec<u8>)| {
         let path = folder.join(name);
         replace(&path, bytes).map_err(|error| failed(&path, error))?;

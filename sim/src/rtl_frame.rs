@@ -63,15 +63,26 @@ pub enum RtlFrameError {
         /// What to change.
         remedy: &'static str,
     },
-    /// A volume that is not a cube of one voxel for each lane.
+    /// A volume that is no cube with a side of a power of two.
     #[error(
-        "the RTL pipeline renders a cubic volume with a lane for each voxel of a side, a power of two from {} to {}; \
-         the volume is {size:?} and there are {lanes} lanes: set lanes in the machine file to the volume's side",
-        SIDES[0], SIDES[1]
+        "the RTL pipeline renders cubes whose side is a power of two from {} to {} voxels, a lane for each; the volume is {} x {} x {}: \
+         give a volume of {remedy} voxels a side",
+        SIDES[0], SIDES[1], size[0], size[1], size[2]
     )]
     Size {
         /// Voxels along u, v, w.
         size: [usize; 3],
+        /// The nearest side that it renders.
+        remedy: usize,
+    },
+    /// A cube of another side than there are lanes.
+    #[error(
+        "the RTL pipeline has a lane for each voxel of a side; the volume has {side} and the machine {lanes} lanes: \
+         set lanes in the machine file to the volume's side"
+    )]
+    Lanes {
+        /// Voxels of a side.
+        side: usize,
         /// Lanes.
         lanes: usize,
     },
@@ -183,9 +194,12 @@ fn check_frame(machine: &MachineSpec, setup: &FrameSetup) -> Result<(), RtlFrame
         "give the scene a view with parallel rays",
     )?;
     let (size, lanes) = (geometry.size, machine.lanes);
-    let fits = lanes.is_power_of_two() && (SIDES[0]..=SIDES[1]).contains(&lanes) && size == [lanes; 3];
-    if !fits || setup.cone.leaves != lanes {
-        return Err(RtlFrameError::Size { size, lanes });
+    let side = size[0];
+    if size != [side; 3] || !side.is_power_of_two() || !(SIDES[0]..=SIDES[1]).contains(&side) {
+        return Err(RtlFrameError::Size { size, remedy: nearest_side(size) });
+    }
+    if side != lanes || setup.cone.leaves != lanes {
+        return Err(RtlFrameError::Lanes { side, lanes });
     }
     unsupported(!setup.clips.is_empty(), "cut planes and no crop box", "leave cuts and crop out of the scene")?;
     let neutral = |cue: &LinearFactor| {
@@ -211,6 +225,13 @@ fn check_frame(machine: &MachineSpec, setup: &FrameSetup) -> Result<(), RtlFrame
         }
         _ => Ok(()),
     }
+}
+
+/// The side of the cube nearest to a volume: of the lower and the higher power of two the nearer to its longest side.
+fn nearest_side(size: [usize; 3]) -> usize {
+    let longest = size.into_iter().max().unwrap_or(SIDES[0]).clamp(SIDES[0], SIDES[1]);
+    let higher = longest.next_power_of_two();
+    if higher - longest <= longest - higher / 2 { higher } else { higher / 2 }
 }
 
 /// The number of a gradient method as the pipeline's METHOD.

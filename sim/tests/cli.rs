@@ -348,4 +348,128 @@ fn verify_holds_our_own_units_against_the_definitions() {
     let shown = text(&output.stdout);
     assert_eq!(shown.lines().count(), 24, "a line for each unit, and one for all on channels: {shown}");
     assert!(shown.contains("of 180 frames, with 5807 pixels that are not empty, 0 differ"), "{shown}");
+    // Where the machine has no code of its own for a unit, that is said.
+    for line in shown.lines().filter(|line| !line.starts_with("on channels")) {
+        let name = line.split_whitespace().next().unwrap();
+        let definition = ["pixel", "reflectance", "channel"].contains(&name);
+        assert_eq!(line.contains("no lanes: the machine runs the definition"), definition, "{line}");
+        let counts = line.split_once(" equal in its lanes").map(|(before, _)| {
+            let mut words = before.split_whitespace().rev();
+            (words.next().unwrap().to_owned(), words.nth(1).unwrap().to_owned())
+        });
+        assert!(counts.is_none_or(|(answered, equal)| answered == equal && answered != "0"), "{line}");
+    }
+}
+
+/// Every option that a command of `vectors` does not use is refused, and both are named.
+#[test]
+fn vectors_refuses_what_it_would_not_use() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let unused: [(&[&str], &[&str]); 5] = [
+        (
+            &["--list"],
+            &[
+                "--unit=lerp",
+                "--format=8.8",
+                "--set=nearest=0",
+                "--machine=cube3-128",
+                "--count=5",
+                "--seed=3",
+                "--all",
+                "--out=o",
+            ],
+        ),
+        (&["--sheet"], &["--count=5", "--seed=3", "--testbench", "--out=o", "--frame", "--from-run"]),
+        (&["--pages", "p"], &["--unit=lerp", "--format=8.8", "--count=5", "--seed=3", "--testbench", "--out=o"]),
+        (&["--from-run", "--unit", "lerp"], &["--seed=3", "--format=8.8", "--set=nearest=0", "--all"]),
+        (&["--reference"], &["--count=5", "--format=8.8", "--unit=lerp"]),
+    ];
+    for (command, options) in unused {
+        for option in options {
+            let arguments = [&["vectors"], command, &[option]].concat();
+            let output = cube3(path, &arguments);
+            let message = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+            let option = option.split('=').next().unwrap();
+            let told = [command[0], option, "cannot be used with"].iter().all(|part| message.contains(part));
+            assert!(told && message.trim_end().lines().count() == 1, "{arguments:?}: {message}");
+        }
+    }
+    for command in [&["--list"][..], &["--sheet"], &["--pages", "p"]] {
+        let message = text(&cube3(path, &[&["vectors", "--tilt", "5"], command].concat()).stderr);
+        assert!(message.contains("--tilt is for --from-run and --frame"), "{command:?}: {message}");
+    }
+    assert!(std::fs::read_dir(path).unwrap().next().is_none());
+}
+
+/// Place, reason and remedy.
+#[test]
+fn what_vectors_cannot_do_is_said_with_the_way_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    std::fs::write(path.join("file"), "kept").unwrap();
+    let cases: [(&[&str], &str); 10] = [
+        (&["--first", "5"], "--first: it chooses from what flowed in a run; give --from-run too, or leave it out"),
+        (&["--unit", "channel", "--channel", "rays"], "--channel: it chooses from what flowed in a run"),
+        (&["--list", "--pass", "1"], "--pass: it chooses from what flowed in a run"),
+        (&["--from-run"], "--from-run: one unit is recorded at a time; give --unit NAME too"),
+        (&["--from-run", "--unit", "lerp", "--channel", "rays"], "--channel is for the unit channel"),
+        (
+            &["--pages", "file"],
+            "file: this is a file, and files are to be written into a folder; give another one with --pages",
+        ),
+        (
+            &["--unit", "lerp", "--out", "file"],
+            "file: this is a file, and files are to be written into a folder; give another one with --out",
+        ),
+        (&["--unit", "lerp", "--out", "file/below"], "file/below: the folder cannot be made"),
+        (
+            &["--frame", "--size", "12"],
+            "cubes whose side is a power of two from 4 to 256 voxels, a lane for each; the volume is 12 x 12 x 12: \
+             give a volume of 16 voxels a side",
+        ),
+        (&["--frame", "--size", "2"], "give a volume of 4 voxels a side"),
+    ];
+    for (arguments, expected) in cases {
+        let arguments = [&["vectors"], arguments].concat();
+        let output = cube3(path, &arguments);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+        assert!(message.contains(expected) && message.trim_end().lines().count() == 1, "{arguments:?}: {message}");
+    }
+    assert_eq!(std::fs::read_to_string(path.join("file")).unwrap(), "kept");
+    assert!(cube3(path, &["vectors", "--pages", "new/pages"]).status.success(), "a missing folder is made");
+    assert!(path.join("new/pages/sheet-cfb.md").exists());
+}
+
+/// A device that hangs is killed with what it has started; one that is in time is not.
+#[test]
+fn a_device_that_hangs_is_given_up() {
+    let folder = tempfile::tempdir().unwrap();
+    let verify = |command: &str, more: &[&str]| {
+        let arguments = ["verify", "--unit", "lerp", "--count", "5", "--out", "o", "--dut", command];
+        cube3(folder.path(), &[&arguments, more].concat())
+    };
+    // The sleeper holds the pipe of standard error: were it alive, the output would not end.
+    let start = std::time::Instant::now();
+    let output = verify("sleep 300 & wait; echo 1 > %o", &["--dut-timeout", "0.2"]);
+    assert!(start.elapsed() < std::time::Duration::from_secs(100), "{:?}", start.elapsed());
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("had not ended after 0.2 s and was killed"), "{message}");
+    assert!(message.contains("--dut-timeout") && message.trim_end().lines().count() == 1, "{message}");
+    let right = "grep -v // %i | awk '{print $4}' > %o";
+    for more in [&[][..], &["--dut-timeout", "500"]] {
+        let output = verify(right, more);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+    }
+    for (seconds, part) in
+        [("0", "seconds above 0"), ("-1", "seconds above 0"), ("nan", "seconds above 0"), ("soon", "invalid")]
+    {
+        let output = verify(right, &["--dut-timeout", seconds]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(text(&output.stderr).contains(part), "{seconds}: {}", text(&output.stderr));
+    }
+    assert!(text(&cube3(folder.path(), &["verify", "--dut-timeout", "3"]).stderr).contains("--dut"));
 }

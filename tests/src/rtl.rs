@@ -15,21 +15,28 @@ pub fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("rtl")
 }
 
+/// The names of all modules, in order.
+///
+/// # Panics
+/// Where the folder cannot be read.
+pub fn all_modules() -> Vec<String> {
+    let folder = folder();
+    let entries = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let files = entries.map(|entry| entry.unwrap_or_else(|error| panic!("{}: {error}", folder.display())).path());
+    let sources = files.filter(|path| path.extension().is_some_and(|extension| extension == "sv"));
+    let mut names: Vec<String> =
+        sources.filter_map(|path| Some(path.file_stem()?.to_string_lossy().into_owned())).collect();
+    names.sort();
+    names
+}
+
 /// The names of the modules that are a block of arithmetic or addressing, or a channel, in order: not of the units and of the
 /// pipeline that are made of them.
 ///
 /// # Panics
 /// Where the folder cannot be read.
 pub fn modules() -> Vec<String> {
-    let folder = folder();
-    let entries = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
-    let files = entries.map(|entry| entry.unwrap_or_else(|error| panic!("{}: {error}", folder.display())).path());
-    let sources = files.filter(|path| path.extension().is_some_and(|extension| extension == "sv"));
-    let names = sources.filter_map(|path| Some(path.file_stem()?.to_string_lossy().into_owned()));
-    let mut names: Vec<String> =
-        names.filter(|name| !name.ends_with("_unit") && !name.starts_with("cube3_pipeline")).collect();
-    names.sort();
-    names
+    all_modules().into_iter().filter(|name| !name.ends_with("_unit") && !name.starts_with("cube3_pipeline")).collect()
 }
 
 /// Where a tool is on the `PATH`.

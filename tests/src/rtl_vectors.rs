@@ -43,7 +43,12 @@ impl Bench {
         compile.arg(format!("-y{}", modules.display())).arg(format!("{}.sv", self.name));
         run(&mut compile)?;
         let mut simulate = Command::new(vvp);
-        self.differ(run(simulate.current_dir(self.folder.path()).args(["-n", "sim.vvp", "+in=in.hex"]))?)
+        self.differ(run(simulate.current_dir(self.folder.path()).args([
+            "-n",
+            "sim.vvp",
+            "+in=in.hex",
+            "+out=out.hex",
+        ]))?)
     }
 
     /// The same in Verilator.
@@ -58,7 +63,7 @@ impl Bench {
         compile.args(["-o", "sim", "--top-module", &self.name, "-y"]).arg(modules).arg(format!("{}.sv", self.name));
         run(&mut compile)?;
         let mut simulate = Command::new(self.folder.path().join("made/sim"));
-        self.differ(run(simulate.current_dir(self.folder.path()).arg("+in=in.hex"))?)
+        self.differ(run(simulate.current_dir(self.folder.path()).args(["+in=in.hex", "+out=out.hex"]))?)
     }
 
     /// Reads the bench's last words.
@@ -116,7 +121,7 @@ pub fn breaks() -> Vec<Break> {
 /// A text to be replaced that is not there exactly once.
 pub fn broken(of: &Break) -> Result<TempDir, String> {
     let copy = tempfile::tempdir().map_err(|error| error.to_string())?;
-    for module in crate::rtl::modules() {
+    for module in crate::rtl::all_modules() {
         let file = format!("{module}.sv");
         let mut text = std::fs::read_to_string(folder().join(&file)).map_err(|error| format!("{file}: {error}"))?;
         if module == of.module {

@@ -121,6 +121,12 @@ impl FrameBuffer {
         }
     }
 
+    /// The module that holds a voxel of the volume, and its word there.
+    pub fn module_and_address(&self, xyz: [usize; 3]) -> [usize; 2] {
+        let Term { address, module } = self.term(xyz);
+        [module, address]
+    }
+
     /// Address and module of a voxel.
     #[inline]
     fn term(&self, [x, y, z]: [usize; 3]) -> Term {

@@ -507,9 +507,9 @@ impl<T: Accumulator> ConeLanes<T> {
         }
     }
 
-    /// `left` becomes left and right together.
+    /// `left` becomes left and right together: the node of the cone for each ray, `left` nearer to the eye.
     #[inline(always)]
-    fn combine(&self, left: &mut RowNode<T>, right: &RowNode<T>) {
+    pub fn combine(&self, left: &mut RowNode<T>, right: &RowNode<T>) {
         if right.is_empty() {
             return;
         }

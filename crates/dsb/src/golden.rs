@@ -32,17 +32,6 @@ pub fn ray_lane(lanes: usize, j: usize, k: usize) -> usize {
     k / lanes * lanes + module(lanes, j, k)
 }
 
-/// A ray slot in order of depth, as the pieces that it is in its lanes: two for each chunk, some of them empty.
-///
-/// The words of `piece`s one behind another are those at [`ray_lane`] of depth 0, 1, and so on.
-pub fn ray_pieces<T>(ray: &[T], lanes: usize, slot: usize, depths: usize) -> impl Iterator<Item = &[T]> {
-    let start = slot % lanes;
-    ray.chunks(lanes).enumerate().flat_map(move |(chunk, words)| {
-        let end = start + (depths - (chunk * lanes).min(depths)).min(lanes);
-        [&words[start..end.min(lanes)], &words[..end.saturating_sub(lanes)]]
-    })
-}
-
 /// How far the bus turns the beam of `plane` at a depth, where a beam fills the lanes: from the frame buffer's lane
 /// `(u + v + w) mod n` to the skewed buffer's `(j + k) mod n`.
 ///

@@ -2,24 +2,9 @@
 
 use cube3_cfb::golden::output_lane;
 use cube3_dsb::Rotator;
-use cube3_dsb::golden::{beam_lane, module, ray_lane, ray_pieces, rotation, slot, turned};
+use cube3_dsb::golden::{beam_lane, module, rotation, slot, turned};
 use cube3_host::{Axes, Geometry, RaySlots, TemplateRule, largest_offset, slope_register};
 use proptest::prelude::*;
-
-#[test]
-fn the_pieces_of_a_ray_are_its_words_in_order_of_depth() {
-    for lanes in 1_usize..8 {
-        for slot in 0..2 * lanes {
-            for depths in 1..3 * lanes + 2 {
-                let mut ray = vec![usize::MAX; depths.div_ceil(lanes) * lanes];
-                (0..depths).for_each(|k| ray[ray_lane(lanes, slot, k)] = k);
-                let pieces: Vec<&[usize]> = ray_pieces(&ray, lanes, slot, depths).collect();
-                assert_eq!(pieces.concat(), (0..depths).collect::<Vec<_>>(), "{lanes} lanes, slot {slot}");
-                assert_eq!(pieces.len(), 2 * depths.div_ceil(lanes));
-            }
-        }
-    }
-}
 
 #[test]
 fn a_turned_beam_has_each_word_that_many_lanes_further() {

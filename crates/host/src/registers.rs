@@ -141,6 +141,19 @@ pub struct HalfSpace {
 impl HalfSpace {
     /// Fraction bits of the distance.
     pub const FRACTION_BITS: u32 = 32;
+
+    /// Of the rays `from` to `to`, the end not included, those whose sample `k` in plane `v` of a parallel frame is inside: the whole
+    /// row at once. Where there are none, the end is not above the start.
+    pub fn interval(&self, v: i64, k: i64, [from, to]: [i64; 2]) -> [i64; 2] {
+        let step = self.distance.u;
+        let at_zero = self.distance.at(0, v, k);
+        match step.signum() {
+            1 => [from.max(-at_zero.div_euclid(step)), to],
+            -1 => [from, to.min(at_zero.div_euclid(-step) + 1)],
+            _ if at_zero < 0 => [from, from],
+            _ => [from, to],
+        }
+    }
 }
 
 /// A factor 0 to 1, a fraction of [`LinearFactor::FRACTION_BITS`] of which the unit uses the leading

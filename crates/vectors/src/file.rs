@@ -24,6 +24,18 @@ fn ports(fields: &[Field]) -> String {
     text
 }
 
+/// The header's line that names the unit.
+pub(crate) fn unit_line(sheet: &Sheet) -> String {
+    format!("// unit {}", sheet.name)
+}
+
+/// The header's line of the settings that the unit has.
+pub(crate) fn format_line(sheet: &Sheet, format: &Format) -> String {
+    let settings = format.settings().into_iter().filter(|(name, _)| sheet.parameters.contains(name));
+    let settings: String = settings.map(|(name, value)| format!(" {name}={value}")).collect();
+    format!("// format{settings}")
+}
+
 /// The text of fields' values.
 pub(crate) fn line(fields: &[Field], values: &[i128]) -> String {
     let words: Vec<String> = fields.iter().zip(values).map(|(field, value)| field.text(*value)).collect();
@@ -53,19 +65,12 @@ impl Vectors {
     pub fn text(&self) -> String {
         let tables: Vec<String> =
             self.table_texts().iter().map(|(name, text)| format!(" {name}:{}", text.lines().count())).collect();
-        let settings: Vec<String> = self
-            .format
-            .settings()
-            .into_iter()
-            .filter(|(name, _)| self.sheet.parameters.contains(name))
-            .map(|(name, value)| format!(" {name}={value}"))
-            .collect();
         let counted = if self.sheet.clocked { "cycles" } else { "transactions" };
         format!(
-            "// {MAGIC}\n// unit {}\n// format{}\n// seed {}\n// generator cube3 {}\n// {counted} {}\n// inputs{}\n\
+            "// {MAGIC}\n{}\n{}\n// seed {}\n// generator cube3 {}\n// {counted} {}\n// inputs{}\n\
              // outputs{}\n// tables{}\n// sha256 {}\n{}",
-            self.sheet.name,
-            settings.concat(),
+            unit_line(&self.sheet),
+            format_line(&self.sheet, &self.format),
             self.seed,
             env!("CARGO_PKG_VERSION"),
             self.inputs.len(),

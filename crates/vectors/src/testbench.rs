@@ -1,16 +1,19 @@
 //! Test benches in SystemVerilog, made from a sheet: they drive a module with a vector file and write what it answers.
 //!
 //! `+in=FILE` is the vector file, `+out=FILE` where answers go (none without it). Each line is also compared; the bench ends with the
-//! count of lines that differ. Tables are read from the folder in which the simulation runs.
+//! count of lines that differ. A bench that writes no answers fails where lines differ; one that does leaves the judgement to who
+//! reads them. Vectors of another unit or format are refused. Tables are read from the folder in which the simulation runs.
 
 use crate::expression::ExpressionError;
+use crate::file::{format_line, unit_line};
 use crate::{Field, Format, Sheet};
 use std::fmt::Write;
 
 /// Words that a bench can hold.
 pub const MOST_WORDS: usize = 1 << 22;
-/// Lines of a vector file's header before the one that counts its lines.
+/// Lines of a vector file's header before the one that counts its lines, and characters of one that a bench can hold.
 const COUNT_LINE: usize = 5;
+const HEADER_CHARACTERS: usize = 512;
 
 /// The name of a unit's bench.
 pub fn name(sheet: &Sheet) -> String {
@@ -40,7 +43,8 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
     );
     let _ = writeln!(
         t,
-        "// cube3 vectors --unit {} --testbench. +in=FILE: vectors; +out=FILE: where the answers go.",
+        "// cube3 vectors --unit {} --testbench. +in=FILE: vectors; +out=FILE: where the answers go.
+// Without +out it fails where lines differ; with it, who reads the answers judges them.",
         sheet.name
     );
     let _ = writeln!(t, "module {bench};");
@@ -54,7 +58,8 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
     }
     let _ = writeln!(t, "\n    reg [{}:0] words [0:WORDS-1];", widest - 1);
     let _ = writeln!(t, "    reg [8*250-1:0] path;");
-    let _ = writeln!(t, "    integer file, answers, skip, got, lines, line, differ;");
+    let _ = writeln!(t, "    reg [8*{HEADER_CHARACTERS}-1:0] header;");
+    let _ = writeln!(t, "    integer file, answers, at, lines, line, differ;\n    reg fits;");
     if sheet.clocked {
         let _ = writeln!(t, "    reg clk, rst;");
     }
@@ -102,6 +107,7 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
     let _ = writeln!(t, "\n    always @(posedge drive) begin");
     place(&mut t, "", "<=", inputs, &sheet.inputs, 0);
     let _ = writeln!(t, "    end");
+    let (unit_line, format_line) = (unit_line(sheet), format_line(sheet, format));
     let _ = writeln!(
         t,
         "
@@ -112,17 +118,19 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
             $display(\"{bench}: +in=FILE is missing: the vectors\");
         end else begin
             file = $fopen(path, \"r\");
-            skip = {COUNT_LINE};
-            while (file != 0 && skip > 0) begin
-                got = $fgetc(file);
-                if (got == 10) skip = skip - 1;
-                if (got < 0) skip = -1;
+            fits = file != 0;
+            for (at = 1; fits && at <= {COUNT_LINE}; at = at + 1) begin
+                if ($fgets(header, file) == 0) fits = 0;
+                else if (at == 2) fits = header == \"{unit_line}\\n\";
+                else if (at == 3) fits = header == \"{format_line}\\n\";
             end
-            if (skip != 0 || $fscanf(file, \"// {counted} %d\", lines) != 1) lines = -1;
-            if (lines * FIELDS > WORDS) lines = -1;
-            if (lines < 0) $display(\"{bench}: no vectors with at most %0d lines in %0s\", WORDS / FIELDS, path);
+            if (!fits) $display(\"{bench}: %0s is no vector file with the lines\\n{unit_line}\\n{format_line}\", path);
+            else begin
+                if ($fscanf(file, \"// {counted} %d\", lines) != 1 || lines * FIELDS > WORDS) lines = -1;
+                if (lines < 0) $display(\"{bench}: no vectors with at most %0d lines in %0s\", WORDS / FIELDS, path);
+            end
         end
-        if (lines < 0) $finish;
+        if (lines < 0) $fatal(1, \"{bench}: nothing was compared\");
         else begin
         $readmemh(path, words, 0, lines * FIELDS - 1);
         answers = 0;
@@ -163,10 +171,17 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
         let _ = writeln!(t, "            #1 clk = 1; #1 clk = 0;");
     }
     let _ = writeln!(t, "        end");
-    let _ = writeln!(t, "        if (answers != 0) $fclose(answers);");
     let _ = writeln!(
         t,
-        "        $display(\"{module}: %0d of %0d lines differ\", differ, lines);\n        $finish;\n        end\n    end\nendmodule"
+        "        $display(\"{module}: %0d of %0d lines differ\", differ, lines);
+        if (differ > 0 && answers == 0) $fatal(1, \"{module}: lines differ\");
+        else begin
+            if (answers != 0) $fclose(answers);
+            $finish;
+        end
+        end
+    end
+endmodule"
     );
     Ok(t)
 }

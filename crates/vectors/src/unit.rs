@@ -84,7 +84,8 @@ pub trait Unit: Sync {
         word_formats()
     }
 
-    /// The same by the code that runs, where the unit has such: the outputs of each line.
+    /// The same by the code that runs where that is not the definition itself: the outputs of each line. An output that this code
+    /// does not hold is the definition's.
     fn lanes(&self, _format: &Format, _tables: &Tables, _lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
         None
     }

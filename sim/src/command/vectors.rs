@@ -4,7 +4,7 @@ use super::run::print;
 use super::scene::SceneArguments;
 use crate::inputs;
 use crate::machine::Machine;
-use crate::output::write_whole;
+use crate::output::{make_folder, write_whole};
 use crate::problem::{Outcome, Problem};
 use crate::record::{Run, Window, record};
 use crate::rtl_frame;
@@ -16,6 +16,8 @@ use std::path::{Path, PathBuf};
 
 /// Most lines of a file: a test bench reads them into memory.
 const MOST_LINES: usize = 1_000_000;
+/// The channel that is recorded where none is named.
+const DEFAULT_CHANNEL: &str = "samples";
 /// Voxels a side of the phantom for the pipeline in RTL.
 const FRAME_SIDE: usize = 16;
 
@@ -123,33 +125,37 @@ pub struct VectorsArguments {
     #[arg(long, conflicts_with = "unit")]
     all: bool,
     /// Every unit in the default words with small tables, directed lines only: the sets that are kept in `traces/vectors`.
-    #[arg(long, conflicts_with_all = ["unit", "format", "set", "machine"])]
+    #[arg(long, conflicts_with_all = ["unit", "format", "set", "machine", "count"])]
     reference: bool,
     /// What really flows through the unit when the machine renders a scene, not made-up lines.
-    #[arg(long, requires = "unit", conflicts_with_all = ["all", "reference", "format", "set"])]
+    #[arg(long, conflicts_with_all = ["all", "reference", "format", "set", "seed"])]
     from_run: bool,
-    /// First transaction of the run; of a channel, first cycle.
-    #[arg(long, default_value_t = 0, requires = "from_run")]
-    first: usize,
-    /// The frame of the run: a perspective view takes several.
-    #[arg(long, default_value_t = 0, requires = "from_run")]
-    pass: usize,
-    /// The channel of the run, for the unit `channel`: beams, aligned, rays, samples, shaded or pixels.
-    #[arg(long, default_value = "samples", requires = "from_run", value_name = "NAME")]
-    channel: String,
+    /// First transaction of the run; of a channel, first cycle. 0 without it.
+    #[arg(long)]
+    first: Option<usize>,
+    /// The frame of the run: a perspective view takes several. 0 without it.
+    #[arg(long)]
+    pass: Option<usize>,
+    /// The channel of the run, for the unit `channel`: beams, aligned, rays, samples, shaded or pixels. `samples` without it.
+    #[arg(long, value_name = "NAME")]
+    channel: Option<String>,
     /// Registers, tables and voxels of a scene's frame for the pipeline of `tests/rtl`, and the pixels that it must give.
     #[arg(long, conflicts_with_all = ["unit", "all", "reference", "format", "set", "from_run", "count", "seed", "testbench"])]
     frame: bool,
     #[command(flatten)]
     scene: SceneArguments,
     /// Name the units and stop.
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = [
+        "unit", "format", "set", "machine", "count", "seed", "all", "reference", "from_run", "frame", "sheet", "pages", "testbench", "out",
+    ])]
     list: bool,
     /// Print the data sheet in this format and stop.
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["count", "seed", "from_run", "frame", "pages", "testbench", "out"])]
     sheet: bool,
     /// Write the data sheets of all units, as pages of the book, into this folder and stop.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", conflicts_with_all = [
+        "unit", "format", "set", "machine", "count", "seed", "all", "reference", "from_run", "frame", "testbench", "out",
+    ])]
     pages: Option<PathBuf>,
     /// Also write a test bench in SystemVerilog beside the vectors.
     #[arg(long)]
@@ -165,22 +171,19 @@ impl VectorsArguments {
     /// # Errors
     /// What went wrong, in words.
     pub fn execute(self) -> Outcome<()> {
+        self.check()?;
         if self.list {
             let line = |unit: Box<dyn Unit>| format!("{:<14} {}\n", unit.sheet().name, unit.sheet().title);
             return print(&units().into_iter().map(line).collect::<String>());
         }
         if let Some(folder) = &self.pages {
+            make_folder(folder, "--pages")?;
             return pages::pages()?
                 .iter()
                 .try_for_each(|page| write_whole(&folder.join(page.file), page.text.as_bytes()));
         }
         if self.from_run || self.frame {
             return self.of_scene();
-        }
-        if let Some(option) = self.scene.given() {
-            return Err(Problem::new(format!(
-                "{option} is for --from-run and --frame; give one of them, or leave it out"
-            )));
         }
         let (format, count) =
             if self.reference { (Format::reference(), 0) } else { (self.unit.format()?, self.unit.lines()?) };
@@ -189,13 +192,37 @@ impl VectorsArguments {
             let sheets: Result<Vec<String>, _> = asked.iter().map(|unit| unit.sheet().markdown(&format)).collect();
             return print(&sheets?.join("\n"));
         }
-        std::fs::create_dir_all(&self.out).map_err(|error| {
-            Problem::new(format!("{}: {error}; give another folder with --out", self.out.display()))
-        })?;
+        make_folder(&self.out, "--out")?;
         for unit in asked {
             self.write(unit.as_ref(), &Vectors::generate(unit.as_ref(), format, count, self.unit.seed)?)?;
         }
         Ok(())
+    }
+
+    /// Options that go with others only.
+    fn check(&self) -> Outcome<()> {
+        let of_run =
+            [("--first", self.first.is_some()), ("--pass", self.pass.is_some()), ("--channel", self.channel.is_some())];
+        let given = of_run.into_iter().find(|(_, given)| *given && !self.from_run);
+        if let Some((option, _)) = given {
+            return Err(Problem::new(format!(
+                "{option}: it chooses from what flowed in a run; give --from-run too, or leave it out"
+            )));
+        }
+        if self.from_run && self.unit.unit.is_none() {
+            return Err(Problem::new(
+                "--from-run: one unit is recorded at a time; give --unit NAME too, `cube3 vectors --list` names them",
+            ));
+        }
+        if self.channel.is_some() && self.unit.unit.as_deref() != Some("channel") {
+            return Err(Problem::new("--channel is for the unit channel; give --unit channel, or leave it out"));
+        }
+        match self.scene.given() {
+            Some(option) if !self.from_run && !self.frame => {
+                Err(Problem::new(format!("{option} is for --from-run and --frame; give one of them, or leave it out")))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Writes a unit's files, and prints what they cover.
@@ -228,9 +255,7 @@ impl VectorsArguments {
         let read = ReadOptions::default();
         let volume = inputs::volume(&scene, &machine, &read, false)?;
         inputs::check_memory(&scene, &machine, volume.words.dims, true, &read)?;
-        std::fs::create_dir_all(&self.out).map_err(|error| {
-            Problem::new(format!("{}: {error}; give another folder with --out", self.out.display()))
-        })?;
+        make_folder(&self.out, "--out")?;
         let (dims, voxels) = (volume.words.dims, &volume.words.words);
         if self.frame {
             machine.lanes = dims[0];
@@ -256,8 +281,12 @@ impl VectorsArguments {
         let frames = picture_setup(&scene, &machine, &volume.info(), true)?.setups;
         for unit in self.unit.units()? {
             let run = Run { machine: &machine, frames: &frames, dims, voxels };
-            let window =
-                Window { frame: self.pass, first: self.first, count: self.unit.lines()?, channel: &self.channel };
+            let window = Window {
+                frame: self.pass.unwrap_or(0),
+                first: self.first.unwrap_or(0),
+                count: self.unit.lines()?,
+                channel: self.channel.as_deref().unwrap_or(DEFAULT_CHANNEL),
+            };
             self.write(unit.as_ref(), &record(&run, unit.as_ref(), &window)?)?;
         }
         Ok(())

@@ -5,7 +5,7 @@ use super::vectors::{UnitArguments, unit, write_vectors};
 use super::words::WordsArguments;
 use crate::inputs;
 use crate::machine::Machine;
-use crate::output::write_whole;
+use crate::output::{make_folder, write_whole};
 use crate::problem::{Outcome, Problem};
 use crate::record::{Run, defined_base_plane};
 use clap::Args;
@@ -14,11 +14,16 @@ use cube3_scene::{Mode, Scene, View};
 use cube3_vectors::compare::{explain, first_mismatch};
 use cube3_vectors::{Format, Responses, Tables, Unit, VectorFile, Vectors, ranges, waveform, word_formats};
 use cube3_word::{Words, unit_full};
+use rustix::process::{Pid, Signal, kill_process_group};
+use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Child, Command, ExitStatus};
+use std::time::{Duration, Instant};
 
 /// Lines of a waveform before and behind the mismatch.
 const AROUND: usize = 16;
+/// Between two looks at a device that has a limit of time.
+const LOOK: Duration = Duration::from_millis(5);
 
 /// Arguments of `cube3 verify`.
 #[derive(Debug, Args)]
@@ -34,6 +39,9 @@ pub struct VerifyArguments {
     /// Run a device under test and compare what it answers: %i is the vector file, %o the file for the answers, %d the folder of both.
     #[arg(long, value_name = "COMMAND")]
     dut: Option<String>,
+    /// Seconds that the device may take; then it is killed, with all that it has started. Without it the device takes as long as it likes.
+    #[arg(long, value_name = "SECONDS", requires = "dut", allow_negative_numbers = true)]
+    dut_timeout: Option<f64>,
     /// Folder for vectors, answers and the waveform of a mismatch, or for the study of word lengths.
     #[arg(long, value_name = "DIR", default_value = "out/verify", default_value_if("words", "true", "out/words"))]
     out: PathBuf,
@@ -68,13 +76,11 @@ impl VerifyArguments {
             return self.own();
         }
         let (unit, vectors) = self.stimulus()?;
-        std::fs::create_dir_all(&self.out).map_err(|error| {
-            Problem::new(format!("{}: {error}; give another folder with --out", self.out.display()))
-        })?;
+        make_folder(&self.out, "--out")?;
         let path = write_vectors(&self.out, &vectors)?;
         let answers = match (&self.against, &self.dut) {
             (Some(answers), _) => answers.clone(),
-            (None, Some(command)) => run_device(command, &self.out, &path)?,
+            (None, Some(command)) => run_device(command, &self.out, &path, self.patience()?)?,
             (None, None) => return Ok(()),
         };
         let text = std::fs::read_to_string(&answers).map_err(|error| {
@@ -102,6 +108,17 @@ impl VerifyArguments {
             mismatch.line,
             wave.display()
         )))
+    }
+
+    /// How long the device may take.
+    fn patience(&self) -> Outcome<Option<Duration>> {
+        let Some(seconds) = self.dut_timeout else { return Ok(None) };
+        match Duration::try_from_secs_f64(seconds) {
+            Ok(limit) if !limit.is_zero() => Ok(Some(limit)),
+            _ => Err(Problem::new(format!(
+                "--dut-timeout {seconds}: give seconds above 0, or leave it out for a device that may take as long as it likes"
+            ))),
+        }
     }
 
     /// What drives the device.
@@ -167,11 +184,11 @@ impl VerifyArguments {
                 }
             }
             let lanes = match answered {
-                0 => "no lanes of its own".into(),
+                0 => "no lanes: the machine runs the definition".into(),
                 _ => format!("{equal} of {answered} equal in its lanes"),
             };
             print(&format!(
-                "{name:<14} {:>2} formats  {lines:>7} lines  {lanes:<40} {hold:>4} of {wires} ranges hold\n",
+                "{name:<14} {:>2} formats  {lines:>7} lines  {lanes:<41} {hold:>4} of {wires} ranges hold\n",
                 formats.len()
             ))?;
         }
@@ -263,8 +280,26 @@ fn filled(command: &str, paths: [(char, String); 3]) -> String {
     line
 }
 
+/// Waits for a child, which leads a process group of its own; none where it took longer than the limit and was killed, and with it the
+/// group: a shell waits for what it has started.
+fn waited(mut child: Child, limit: Duration) -> std::io::Result<Option<ExitStatus>> {
+    let start = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(Some(status));
+        }
+        let left = limit.saturating_sub(start.elapsed());
+        if left.is_zero() {
+            kill_process_group(Pid::from_child(&child), Signal::KILL)?;
+            child.wait()?;
+            return Ok(None);
+        }
+        std::thread::sleep(left.min(LOOK));
+    }
+}
+
 /// Runs a device under test in the shell; where it wrote its answers.
-fn run_device(command: &str, folder: &Path, vectors: &Path) -> Outcome<PathBuf> {
+fn run_device(command: &str, folder: &Path, vectors: &Path, limit: Option<Duration>) -> Outcome<PathBuf> {
     if !command.contains("%o") {
         return Err(Problem::new("--dut: the command has no %o: it must be told where to write its answers"));
     }
@@ -277,7 +312,18 @@ fn run_device(command: &str, folder: &Path, vectors: &Path) -> Outcome<PathBuf> 
         _ => {}
     }
     let line = filled(command, [('i', absolute(vectors)?), ('o', absolute(&answers)?), ('d', absolute(folder)?)]);
-    let status = Command::new("sh").args(["-c", &line]).status()?;
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &line]);
+    let status = match limit {
+        None => shell.status()?,
+        Some(limit) => waited(shell.process_group(0).spawn()?, limit)?.ok_or_else(|| {
+            let seconds = limit.as_secs_f64();
+            Problem::new(format!(
+                "--dut: `{line}` had not ended after {seconds} s and was killed; does it wait for something that never comes? \
+                 If it only needs longer, give a larger --dut-timeout"
+            ))
+        })?,
+    };
     if !status.success() {
         return Err(Problem::new(format!("--dut: `{line}` ended with {status}")));
     }

@@ -1,5 +1,6 @@
 // Test bench of cube3_cfb for the vectors of the unit cfb, made from its data sheet by
 // cube3 vectors --unit cfb --testbench. +in=FILE: vectors; +out=FILE: where the answers go.
+// Without +out it fails where lines differ; with it, who reads the answers judges them.
 module cube3_cfb_tb;
     localparam integer FIELDS = 5;
     localparam integer WORDS = 4194304;
@@ -14,7 +15,9 @@ module cube3_cfb_tb;
 
     reg [35:0] words [0:WORDS-1];
     reg [8*250-1:0] path;
-    integer file, answers, skip, got, lines, line, differ;
+    reg [8*512-1:0] header;
+    integer file, answers, at, lines, line, differ;
+    reg fits;
     reg drive;
 
     cube3_cfb #(.LANES(8), .NX(16), .NY(16), .NZ(16), .SKEW_A(1), .SKEW_B(1), .SKEW_C(1), .BLOCKS(0)) dut (
@@ -38,17 +41,19 @@ module cube3_cfb_tb;
             $display("cube3_cfb_tb: +in=FILE is missing: the vectors");
         end else begin
             file = $fopen(path, "r");
-            skip = 5;
-            while (file != 0 && skip > 0) begin
-                got = $fgetc(file);
-                if (got == 10) skip = skip - 1;
-                if (got < 0) skip = -1;
+            fits = file != 0;
+            for (at = 1; fits && at <= 5; at = at + 1) begin
+                if ($fgets(header, file) == 0) fits = 0;
+                else if (at == 2) fits = header == "// unit cfb\n";
+                else if (at == 3) fits = header == "// format lanes=8 nx=16 ny=16 nz=16 skew_a=1 skew_b=1 skew_c=1 blocks=0\n";
             end
-            if (skip != 0 || $fscanf(file, "// transactions %d", lines) != 1) lines = -1;
-            if (lines * FIELDS > WORDS) lines = -1;
-            if (lines < 0) $display("cube3_cfb_tb: no vectors with at most %0d lines in %0s", WORDS / FIELDS, path);
+            if (!fits) $display("cube3_cfb_tb: %0s is no vector file with the lines\n// unit cfb\n// format lanes=8 nx=16 ny=16 nz=16 skew_a=1 skew_b=1 skew_c=1 blocks=0", path);
+            else begin
+                if ($fscanf(file, "// transactions %d", lines) != 1 || lines * FIELDS > WORDS) lines = -1;
+                if (lines < 0) $display("cube3_cfb_tb: no vectors with at most %0d lines in %0s", WORDS / FIELDS, path);
+            end
         end
-        if (lines < 0) $finish;
+        if (lines < 0) $fatal(1, "cube3_cfb_tb: nothing was compared");
         else begin
         $readmemh(path, words, 0, lines * FIELDS - 1);
         answers = 0;
@@ -67,9 +72,12 @@ module cube3_cfb_tb;
                 differ = differ + 1;
             end
         end
-        if (answers != 0) $fclose(answers);
         $display("cube3_cfb: %0d of %0d lines differ", differ, lines);
-        $finish;
+        if (differ > 0 && answers == 0) $fatal(1, "cube3_cfb: lines differ");
+        else begin
+            if (answers != 0) $fclose(answers);
+            $finish;
+        end
         end
     end
 endmodule

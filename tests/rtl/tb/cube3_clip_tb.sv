@@ -1,5 +1,6 @@
 // Test bench of cube3_clip for the vectors of the unit clip, made from its data sheet by
 // cube3 vectors --unit clip --testbench. +in=FILE: vectors; +out=FILE: where the answers go.
+// Without +out it fails where lines differ; with it, who reads the answers judges them.
 module cube3_clip_tb;
     localparam integer FIELDS = 8;
     localparam integer WORDS = 4194304;
@@ -16,7 +17,9 @@ module cube3_clip_tb;
 
     reg [61:0] words [0:WORDS-1];
     reg [8*250-1:0] path;
-    integer file, answers, skip, got, lines, line, differ;
+    reg [8*512-1:0] header;
+    integer file, answers, at, lines, line, differ;
+    reg fits;
     reg drive;
 
     cube3_clip #() dut (
@@ -47,17 +50,19 @@ module cube3_clip_tb;
             $display("cube3_clip_tb: +in=FILE is missing: the vectors");
         end else begin
             file = $fopen(path, "r");
-            skip = 5;
-            while (file != 0 && skip > 0) begin
-                got = $fgetc(file);
-                if (got == 10) skip = skip - 1;
-                if (got < 0) skip = -1;
+            fits = file != 0;
+            for (at = 1; fits && at <= 5; at = at + 1) begin
+                if ($fgets(header, file) == 0) fits = 0;
+                else if (at == 2) fits = header == "// unit clip\n";
+                else if (at == 3) fits = header == "// format\n";
             end
-            if (skip != 0 || $fscanf(file, "// transactions %d", lines) != 1) lines = -1;
-            if (lines * FIELDS > WORDS) lines = -1;
-            if (lines < 0) $display("cube3_clip_tb: no vectors with at most %0d lines in %0s", WORDS / FIELDS, path);
+            if (!fits) $display("cube3_clip_tb: %0s is no vector file with the lines\n// unit clip\n// format", path);
+            else begin
+                if ($fscanf(file, "// transactions %d", lines) != 1 || lines * FIELDS > WORDS) lines = -1;
+                if (lines < 0) $display("cube3_clip_tb: no vectors with at most %0d lines in %0s", WORDS / FIELDS, path);
+            end
         end
-        if (lines < 0) $finish;
+        if (lines < 0) $fatal(1, "cube3_clip_tb: nothing was compared");
         else begin
         $readmemh(path, words, 0, lines * FIELDS - 1);
         answers = 0;
@@ -74,9 +79,12 @@ module cube3_clip_tb;
                 differ = differ + 1;
             end
         end
-        if (answers != 0) $fclose(answers);
         $display("cube3_clip: %0d of %0d lines differ", differ, lines);
-        $finish;
+        if (differ > 0 && answers == 0) $fatal(1, "cube3_clip: lines differ");
+        else begin
+            if (answers != 0) $fclose(answers);
+            $finish;
+        end
         end
     end
 endmodule

@@ -1,5 +1,6 @@
 // Test bench of cube3_gradient for the vectors of the unit gradient-26, made from its data sheet by
 // cube3 vectors --unit gradient-26 --testbench. +in=FILE: vectors; +out=FILE: where the answers go.
+// Without +out it fails where lines differ; with it, who reads the answers judges them.
 module cube3_gradient_26_tb;
     localparam integer FIELDS = 45;
     localparam integer WORDS = 4194304;
@@ -18,7 +19,9 @@ module cube3_gradient_26_tb;
 
     reg [16:0] words [0:WORDS-1];
     reg [8*250-1:0] path;
-    integer file, answers, skip, got, lines, line, differ;
+    reg [8*512-1:0] header;
+    integer file, answers, at, lines, line, differ;
+    reg fits;
     reg drive;
 
     cube3_gradient #(.VOXEL_BITS(16), .WEIGHT_BITS(8), .SAMPLE_FRACTION_BITS(0), .GRADIENT_BITS(17), .KEPT_BITS(0), .NEAREST(1), .METHOD(26), .PERSPECTIVE(1)) dut (
@@ -82,17 +85,19 @@ module cube3_gradient_26_tb;
             $display("cube3_gradient_26_tb: +in=FILE is missing: the vectors");
         end else begin
             file = $fopen(path, "r");
-            skip = 5;
-            while (file != 0 && skip > 0) begin
-                got = $fgetc(file);
-                if (got == 10) skip = skip - 1;
-                if (got < 0) skip = -1;
+            fits = file != 0;
+            for (at = 1; fits && at <= 5; at = at + 1) begin
+                if ($fgets(header, file) == 0) fits = 0;
+                else if (at == 2) fits = header == "// unit gradient-26\n";
+                else if (at == 3) fits = header == "// format voxel_bits=16 weight_bits=8 sample_fraction_bits=0 gradient_bits=17 kept_bits=0 nearest=1\n";
             end
-            if (skip != 0 || $fscanf(file, "// transactions %d", lines) != 1) lines = -1;
-            if (lines * FIELDS > WORDS) lines = -1;
-            if (lines < 0) $display("cube3_gradient_26_tb: no vectors with at most %0d lines in %0s", WORDS / FIELDS, path);
+            if (!fits) $display("cube3_gradient_26_tb: %0s is no vector file with the lines\n// unit gradient-26\n// format voxel_bits=16 weight_bits=8 sample_fraction_bits=0 gradient_bits=17 kept_bits=0 nearest=1", path);
+            else begin
+                if ($fscanf(file, "// transactions %d", lines) != 1 || lines * FIELDS > WORDS) lines = -1;
+                if (lines < 0) $display("cube3_gradient_26_tb: no vectors with at most %0d lines in %0s", WORDS / FIELDS, path);
+            end
         end
-        if (lines < 0) $finish;
+        if (lines < 0) $fatal(1, "cube3_gradient_26_tb: nothing was compared");
         else begin
         $readmemh(path, words, 0, lines * FIELDS - 1);
         answers = 0;
@@ -119,9 +124,12 @@ module cube3_gradient_26_tb;
                 differ = differ + 1;
             end
         end
-        if (answers != 0) $fclose(answers);
         $display("cube3_gradient: %0d of %0d lines differ", differ, lines);
-        $finish;
+        if (differ > 0 && answers == 0) $fatal(1, "cube3_gradient: lines differ");
+        else begin
+            if (answers != 0) $fclose(answers);
+            $finish;
+        end
         end
     end
 endmodule

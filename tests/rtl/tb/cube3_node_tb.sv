@@ -1,5 +1,6 @@
 // Test bench of cube3_node for the vectors of the unit node, made from its data sheet by
 // cube3 vectors --unit node --testbench. +in=FILE: vectors; +out=FILE: where the answers go.
+// Without +out it fails where lines differ; with it, who reads the answers judges them.
 module cube3_node_tb;
     localparam integer FIELDS = 19;
     localparam integer WORDS = 4194304;
@@ -20,7 +21,9 @@ module cube3_node_tb;
 
     reg [27:0] words [0:WORDS-1];
     reg [8*250-1:0] path;
-    integer file, answers, skip, got, lines, line, differ;
+    reg [8*512-1:0] header;
+    integer file, answers, at, lines, line, differ;
+    reg fits;
     reg drive;
 
     cube3_node #(.VOXEL_BITS(16), .SAMPLE_FRACTION_BITS(0), .ACCUMULATOR_BITS(16), .NEAREST(1)) dut (
@@ -59,17 +62,19 @@ module cube3_node_tb;
             $display("cube3_node_tb: +in=FILE is missing: the vectors");
         end else begin
             file = $fopen(path, "r");
-            skip = 5;
-            while (file != 0 && skip > 0) begin
-                got = $fgetc(file);
-                if (got == 10) skip = skip - 1;
-                if (got < 0) skip = -1;
+            fits = file != 0;
+            for (at = 1; fits && at <= 5; at = at + 1) begin
+                if ($fgets(header, file) == 0) fits = 0;
+                else if (at == 2) fits = header == "// unit node\n";
+                else if (at == 3) fits = header == "// format voxel_bits=16 sample_fraction_bits=0 accumulator_bits=16 nearest=1\n";
             end
-            if (skip != 0 || $fscanf(file, "// transactions %d", lines) != 1) lines = -1;
-            if (lines * FIELDS > WORDS) lines = -1;
-            if (lines < 0) $display("cube3_node_tb: no vectors with at most %0d lines in %0s", WORDS / FIELDS, path);
+            if (!fits) $display("cube3_node_tb: %0s is no vector file with the lines\n// unit node\n// format voxel_bits=16 sample_fraction_bits=0 accumulator_bits=16 nearest=1", path);
+            else begin
+                if ($fscanf(file, "// transactions %d", lines) != 1 || lines * FIELDS > WORDS) lines = -1;
+                if (lines < 0) $display("cube3_node_tb: no vectors with at most %0d lines in %0s", WORDS / FIELDS, path);
+            end
         end
-        if (lines < 0) $finish;
+        if (lines < 0) $fatal(1, "cube3_node_tb: nothing was compared");
         else begin
         $readmemh(path, words, 0, lines * FIELDS - 1);
         answers = 0;
@@ -96,9 +101,12 @@ module cube3_node_tb;
                 differ = differ + 1;
             end
         end
-        if (answers != 0) $fclose(answers);
         $display("cube3_node: %0d of %0d lines differ", differ, lines);
-        $finish;
+        if (differ > 0 && answers == 0) $fatal(1, "cube3_node: lines differ");
+        else begin
+            if (answers != 0) $fclose(answers);
+            $finish;
+        end
         end
     end
 endmodule

@@ -1,5 +1,6 @@
 // Test bench of cube3_normalise for the vectors of the unit normalise, made from its data sheet by
 // cube3 vectors --unit normalise --testbench. +in=FILE: vectors; +out=FILE: where the answers go.
+// Without +out it fails where lines differ; with it, who reads the answers judges them.
 module cube3_normalise_tb;
     localparam integer FIELDS = 7;
     localparam integer WORDS = 4194304;
@@ -12,7 +13,9 @@ module cube3_normalise_tb;
 
     reg [17:0] words [0:WORDS-1];
     reg [8*250-1:0] path;
-    integer file, answers, skip, got, lines, line, differ;
+    reg [8*512-1:0] header;
+    integer file, answers, at, lines, line, differ;
+    reg fits;
     reg drive;
 
     cube3_normalise #(.GRADIENT_BITS(17), .KEPT_BITS(0), .NORMAL_BITS(12), .ROOT_BITS(4), .ROOT_FILE("normalise.root.hex")) dut (
@@ -34,17 +37,19 @@ module cube3_normalise_tb;
             $display("cube3_normalise_tb: +in=FILE is missing: the vectors");
         end else begin
             file = $fopen(path, "r");
-            skip = 5;
-            while (file != 0 && skip > 0) begin
-                got = $fgetc(file);
-                if (got == 10) skip = skip - 1;
-                if (got < 0) skip = -1;
+            fits = file != 0;
+            for (at = 1; fits && at <= 5; at = at + 1) begin
+                if ($fgets(header, file) == 0) fits = 0;
+                else if (at == 2) fits = header == "// unit normalise\n";
+                else if (at == 3) fits = header == "// format gradient_bits=17 kept_bits=0 normal_bits=12 root_bits=4\n";
             end
-            if (skip != 0 || $fscanf(file, "// transactions %d", lines) != 1) lines = -1;
-            if (lines * FIELDS > WORDS) lines = -1;
-            if (lines < 0) $display("cube3_normalise_tb: no vectors with at most %0d lines in %0s", WORDS / FIELDS, path);
+            if (!fits) $display("cube3_normalise_tb: %0s is no vector file with the lines\n// unit normalise\n// format gradient_bits=17 kept_bits=0 normal_bits=12 root_bits=4", path);
+            else begin
+                if ($fscanf(file, "// transactions %d", lines) != 1 || lines * FIELDS > WORDS) lines = -1;
+                if (lines < 0) $display("cube3_normalise_tb: no vectors with at most %0d lines in %0s", WORDS / FIELDS, path);
+            end
         end
-        if (lines < 0) $finish;
+        if (lines < 0) $fatal(1, "cube3_normalise_tb: nothing was compared");
         else begin
         $readmemh(path, words, 0, lines * FIELDS - 1);
         answers = 0;
@@ -67,9 +72,12 @@ module cube3_normalise_tb;
                 differ = differ + 1;
             end
         end
-        if (answers != 0) $fclose(answers);
         $display("cube3_normalise: %0d of %0d lines differ", differ, lines);
-        $finish;
+        if (differ > 0 && answers == 0) $fatal(1, "cube3_normalise: lines differ");
+        else begin
+            if (answers != 0) $fclose(answers);
+            $finish;
+        end
         end
     end
 endmodule

@@ -1,7 +1,8 @@
 // Runs frames on cube3_pipeline: loads what `cube3::rtl_frame` exports, and writes the pixels and the counters.
 //
 // +frame=FOLDER with registers.hex, voxels.hex, root.hex, opacity.hex, colour.hex, power.hex; +out=FILE; +repeat=COUNT runs the
-// frame so often and writes the last time; +activity=FILE writes each cycle's activity of the units, the last unit first.
+// frame so often and writes the last time; +activity=FILE writes each cycle's activity of the units, the last unit first; +limit=CYCLES
+// gives a frame up that has not ended by then, with the line `unfinished CYCLES`.
 // A line of the output is `pixel U V R G B A` (U and V decimal, colours hex), then `cycles`, `account` for each unit, `occupancy`
 // for each channel, `overflows`, all decimal.
 module cube3_pipeline_tb;
@@ -60,6 +61,8 @@ module cube3_pipeline_tb;
     string out;
     string activity;
     integer repeat_;
+    integer limit;
+    integer waited;
     integer run;
     integer i;
     integer p;
@@ -107,6 +110,7 @@ module cube3_pipeline_tb;
             $finish;
         end
         if (!$value$plusargs("repeat=%d", repeat_)) repeat_ = 1;
+        if (!$value$plusargs("limit=%d", limit)) limit = 0;
         if ($value$plusargs("activity=%s", activity)) activity_file = $fopen(activity, "w");
         file = $fopen(out, "w");
         $readmemh({folder, "/registers.hex"}, registers);
@@ -129,7 +133,15 @@ module cube3_pipeline_tb;
             writes = run == repeat_;
             @(negedge clk);
             rst = 1'b0;
-            while (!done) @(negedge clk);
+            waited = 0;
+            while (done !== 1'b1 && (limit == 0 || waited < limit)) begin
+                @(negedge clk);
+                waited = waited + 1;
+            end
+            if (done !== 1'b1) begin
+                $display("cube3_pipeline: the frame has not ended in %0d cycles", waited);
+                if (writes) $fdisplay(file, "unfinished %0d", waited);
+            end
         end
         $fdisplay(file, "cycles %0d", cycles);
         for (i = 0; i < 8; i = i + 1) begin

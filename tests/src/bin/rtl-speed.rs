@@ -8,7 +8,7 @@ use cube3::machine::Machine;
 use cube3::rtl_frame;
 use cube3_host::{MachineSpec, frame_setup};
 use cube3_scene::{Scene, View, VolumeSource};
-use cube3_tests::rtl_pipeline::{Design, Effort, Simulator};
+use cube3_tests::rtl_pipeline::{Design, Effort, OurRun, RtlRun, Simulator};
 use cube3_volume::ReadOptions;
 use std::path::Path;
 use std::time::Duration;
@@ -39,10 +39,8 @@ fn main() {
         Machine::cycle(&machine, vec![setup.clone()], [n; 3], words).unwrap_or_else(|error| panic!("{error}"))
     };
     let ours = time_ours(build, time);
-    let mut run = build();
-    run.run(&|_, _| {}).unwrap_or_else(|error| panic!("{error}"));
-    let (counters, overflows) = (run.counters(), run.overflows());
-    rtl.assert_equals(&counters, overflows, &run.into_base_planes().remove(0), &setup);
+    let difference = rtl.difference(&OurRun::new(build()), &setup);
+    assert_eq!(difference, None);
     println!("{n} voxels a side, {} cycles a frame; bits, cycles and counters are equal", rtl.cycles);
     println!("Verilator:             {rtl_rate:>12.0} cycles/s");
     println!("cube3, run alone:      {:>12.0} cycles/s, {:.1} times as fast", ours[0], ours[0] / rtl_rate);
@@ -59,10 +57,10 @@ fn processor_time() -> Duration {
 }
 
 /// The frame so often that it takes so long: what the last run wrote, and cycles a second without the start of the process.
-fn time_rtl(design: &Design, folder: &Path, time: Duration) -> (cube3_tests::rtl_pipeline::RtlRun, f64) {
+fn time_rtl(design: &Design, folder: &Path, time: Duration) -> (RtlRun, f64) {
     let timed = |repeat: u64| {
         let start = processor_time();
-        let (run, _) = design.run(folder, repeat, false);
+        let run = design.run(folder, repeat);
         (run, processor_time() - start)
     };
     let (_, start) = timed(1);

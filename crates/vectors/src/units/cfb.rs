@@ -2,6 +2,7 @@
 
 use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
+use cube3_cfb::FrameBuffer;
 use cube3_cfb::golden::{Placement, Skew};
 use cube3_host::Layout;
 
@@ -54,6 +55,16 @@ impl Unit for Cfb {
         let module = placement.skew.module_wires(xyz.map(i64::from), probe);
         let address = placement.address_wires(xyz.map(|i| i as usize), probe);
         vec![module as i128, address as i128]
+    }
+
+    fn lanes(&self, format: &Format, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+        let Placement { skew, layout, dims } = placement(format);
+        let buffer = FrameBuffer::with_layout(skew, layout, dims, &[]).ok()?;
+        let answer = |inputs: &Vec<i128>| {
+            let xyz: [u32; 3] = Reader::new(inputs).words();
+            buffer.module_and_address(xyz.map(|i| i as usize)).map(|place| place as i128).to_vec()
+        };
+        Some(lines.iter().map(answer).collect())
     }
 
     /// Every voxel of a volume that has few.

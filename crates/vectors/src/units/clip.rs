@@ -2,10 +2,17 @@
 
 use crate::unit::Reader;
 use crate::{Format, Port, Recorder, Sheet, Tables, Unit, Wire};
-use cube3_host::Linear;
+use cube3_host::{HalfSpace, Linear};
 
 /// A half-space.
 pub struct Clip;
+
+/// The sample u, v, k of a line, and the distance.
+fn line(inputs: &[i128]) -> ([i64; 3], Linear) {
+    let mut fields = Reader::new(inputs);
+    let mut field = || fields.field() as i64;
+    ([field(), field(), field()], Linear { u: field(), v: field(), k: field(), constant: field() })
+}
 
 impl Unit for Clip {
     fn sheet(&self) -> Sheet {
@@ -44,10 +51,7 @@ impl Unit for Clip {
     }
 
     fn evaluate(&self, _: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
-        let mut fields = Reader::new(inputs);
-        let mut field = || fields.field() as i64;
-        let [u, v, k] = [field(), field(), field()];
-        let distance = Linear { u: field(), v: field(), k: field(), constant: field() };
+        let ([u, v, k], distance) = line(inputs);
         vec![(distance.at_wires(u, v, k, probe) >= 0).into()]
     }
 
@@ -62,6 +66,16 @@ impl Unit for Clip {
             [at.to_vec(), steps.to_vec(), vec![distance - along]].concat()
         };
         (0..8).flat_map(|_| [-1, 0, 1].map(&mut beside)).collect()
+    }
+
+    fn lanes(&self, _: &Format, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+        let answer = |inputs: &Vec<i128>| {
+            let ([u, v, k], distance) = line(inputs);
+            // The rays of a row that are kept, the line's in their midst.
+            let [from, to] = HalfSpace { distance }.interval(v, k, [u - 2, u + 3]);
+            vec![(from..to).contains(&u).into()]
+        };
+        Some(lines.iter().map(answer).collect())
     }
 
     /// No word of the machine enters it.

@@ -2,8 +2,13 @@
 
 use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
+use cube3_dsb::PlaneStore;
 use cube3_dsb::golden::{beam_lane, module, ray_lane};
+use cube3_host::{Axes, Geometry, RaySlots, TemplateRule};
 use cube3_word::Probe;
+
+/// Chunks of LANES of a beam and of a ray.
+const CHUNKS: usize = 8;
 
 /// The skewed buffer's addresses.
 pub struct Dsb;
@@ -47,6 +52,32 @@ impl Unit for Dsb {
             probe.wire(name, 0, place);
         }
         places.to_vec()
+    }
+
+    /// Two planes are written beam by beam and read ray by ray: in one a word is its place in the beam, in the other its depth.
+    fn lanes(&self, format: &Format, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+        let lanes = format.lanes as usize;
+        let side = CHUNKS * lanes;
+        let axes = Axes { axis: [0, 1, 2], reversed: [false; 3] };
+        let geometry = Geometry::new([side, 2, side], axes, [0; 2], 0, 8, TemplateRule::PlaneFloor, RaySlots::Wrapped);
+        let mut store = PlaneStore::new(&geometry, lanes, 2);
+        let places: Vec<u16> = (0..side as u16).collect();
+        for depth in 0..side {
+            store.write(0, depth, Some(&places));
+            store.write(1, depth, Some(&vec![depth as u16; side]));
+        }
+        let mut rays = [Vec::new(), Vec::new()];
+        let mut answer = |inputs: &Vec<i128>| {
+            let [slot, depth] = Reader::new(inputs).words().map(|i: u32| i as usize);
+            for (plane, ray) in rays.iter_mut().enumerate() {
+                store.read(plane, false, slot, ray);
+            }
+            // A depth that is nowhere in the ray has no place.
+            let ray_place = rays[1].iter().position(|&word| usize::from(word) == depth)?;
+            let beam_place = usize::from(rays[0][ray_place]);
+            Some([beam_place % lanes, beam_place, ray_place].map(|place| place as i128).to_vec())
+        };
+        Some(lines.iter().map(|line| answer(line).unwrap_or_else(|| vec![-1; 3])).collect())
     }
 
     fn formats(&self) -> Vec<Format> {

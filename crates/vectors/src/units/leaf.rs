@@ -4,7 +4,9 @@ use super::modes::MODE;
 use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
 use cube3_abc::golden::Shaded;
+use cube3_abc::lanes::ShadedRow;
 use cube3_cone::golden::leaf_wires;
+use cube3_cone::lanes::{Accumulator, ConeLanes};
 use cube3_host::{ConeOrder, ConeRegisters};
 use cube3_scene::Mode;
 
@@ -26,6 +28,32 @@ pub fn unit_mul_wires(part: &'static str, count: &'static str) -> [Wire; 3] {
 
 /// The leaf.
 pub struct Leaf;
+
+/// The sample of a line and the registers of a cone of one leaf, whose weighted sum is the sum.
+fn line(inputs: &[i128]) -> (Shaded, ConeRegisters) {
+    let mut fields = Reader::new(inputs);
+    let mode = Mode::ALL[fields.word() as usize];
+    let opaque = fields.word();
+    let (present, sample, opacity, colour) = (fields.flag(), fields.signed(), fields.word(), fields.words());
+    let cone = ConeRegisters { mode, order: ConeOrder::Tree, leaves: 1, opaque, sum_weight: 1 << 32 };
+    (Shaded { present, sample, opacity, colour }, cone)
+}
+
+/// The pixel of a row of one ray that has one sample.
+fn pixel<T: Accumulator>(shaded: &Shaded, cone: ConeRegisters, format: &Format) -> [u32; 4] {
+    let row = ShadedRow {
+        present: vec![shaded.present.into()],
+        opacity: vec![shaded.opacity],
+        colour: shaded.colour.map(|word| vec![word]),
+        span: (0, 1),
+        overflows: 0,
+    };
+    let mut lanes = ConeLanes::<T>::new(cone, format.words);
+    lanes.push(Some((0, &row, |_: usize| shaded.sample)));
+    let mut pixel = [0; 4];
+    lanes.finish(|_, rgba| pixel = rgba);
+    pixel
+}
 
 impl Unit for Leaf {
     fn sheet(&self) -> Sheet {
@@ -72,15 +100,26 @@ impl Unit for Leaf {
     }
 
     fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
-        let mut fields = Reader::new(inputs);
-        let mode = Mode::ALL[fields.word() as usize];
-        let opaque = fields.word();
-        let (present, sample, opacity, colour) = (fields.flag(), fields.signed(), fields.word(), fields.words());
-        let cone = ConeRegisters { mode, order: ConeOrder::Tree, leaves: 1, opaque, sum_weight: 0 };
-        let node = leaf_wires(&Shaded { present, sample, opacity, colour }, &cone, &format.words, probe);
+        let (shaded, cone) = line(inputs);
+        let node = leaf_wires(&shaded, &cone, &format.words, probe);
         let mut outputs = vec![node.present.into(), node.sample.into()];
         outputs.extend(node.rgba.map(i128::from));
         outputs
+    }
+
+    /// The rows of the cone hold colours and opacities; where nothing is they are 0, and whether there is anything is no word of theirs.
+    fn lanes(&self, format: &Format, tables: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+        let answer = |inputs: &Vec<i128>| {
+            let (shaded, cone) = line(inputs);
+            let rgba = match format.words.accumulator_bits {
+                ..=16 => pixel::<u32>(&shaded, cone, format),
+                _ => pixel::<u64>(&shaded, cone, format),
+            };
+            let mut outputs = self.evaluate(format, tables, inputs, &mut Recorder::default());
+            outputs.splice(2.., rgba.map(i128::from));
+            outputs
+        };
+        Some(lines.iter().map(answer).collect())
     }
 
     /// A sample that is not present is all 0.

@@ -5,10 +5,48 @@ use super::modes::{MODE, legal};
 use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
 use cube3_cone::golden::{Node as GoldenNode, combine_wires};
+use cube3_cone::lanes::{Accumulator, ConeLanes, RowNode};
+use cube3_host::{ConeOrder, ConeRegisters};
 use cube3_scene::Mode;
 
 /// The node.
 pub struct Node;
+
+/// The mode of a line, and the nodes on the left and on the right.
+fn line(inputs: &[i128]) -> (Mode, [GoldenNode; 2]) {
+    let mut fields = Reader::new(inputs);
+    let mode = Mode::ALL[fields.word() as usize];
+    let mut node = || GoldenNode {
+        present: fields.flag(),
+        sample: fields.signed(),
+        rgba: std::array::from_fn(|_| fields.field() as u64),
+    };
+    (mode, [node(), node()])
+}
+
+/// A row of one ray. Where samples are compared, one that has nothing has the word that never wins.
+fn row<T: Accumulator>(mode: Mode, node: &GoldenNode, word: impl Fn(u64) -> T) -> RowNode<T> {
+    let sample = match mode {
+        Mode::Maximum if !node.present => vec![i32::MIN],
+        Mode::Minimum if !node.present => vec![i32::MAX],
+        Mode::Maximum | Mode::Minimum => vec![node.sample],
+        _ => Vec::new(),
+    };
+    RowNode { start: 0, rgba: node.rgba.map(|raw| vec![word(raw)]), sample }
+}
+
+/// Both rows together: red, green, blue, opacity, and the sample where samples are compared.
+fn combined<T: Accumulator>(
+    mode: Mode,
+    nodes: &[GoldenNode; 2],
+    format: &Format,
+    word: impl Fn(u64) -> T,
+) -> ([u64; 4], Option<i32>) {
+    let cone = ConeRegisters { mode, order: ConeOrder::Tree, leaves: 2, opaque: 1, sum_weight: 0 };
+    let [mut left, right] = nodes.each_ref().map(|node| row(mode, node, &word));
+    ConeLanes::<T>::new(cone, format.words).combine(&mut left, &right);
+    (left.rgba.each_ref().map(|row| row[0].wide()), left.sample.first().copied())
+}
 
 impl Unit for Node {
     fn sheet(&self) -> Sheet {
@@ -69,18 +107,35 @@ impl Unit for Node {
     }
 
     fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
-        let mut fields = Reader::new(inputs);
-        let mode = Mode::ALL[fields.word() as usize];
-        let mut node = || GoldenNode {
-            present: fields.flag(),
-            sample: fields.signed(),
-            rgba: std::array::from_fn(|_| fields.field() as u64),
-        };
-        let (left, right) = (node(), node());
+        let (mode, [left, right]) = line(inputs);
         let node = combine_wires(mode, left, right, &format.words, probe);
         let mut outputs = vec![node.present.into(), node.sample.into()];
         outputs.extend(node.rgba.map(i128::from));
         outputs
+    }
+
+    /// The rows of the cone hold colours and opacities, and samples where these are compared; where nothing is they are 0, and whether
+    /// there is anything is no word of theirs.
+    fn lanes(&self, format: &Format, tables: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+        let answer = |inputs: &Vec<i128>| {
+            let (mode, nodes) = line(inputs);
+            let mut outputs = self.evaluate(format, tables, inputs, &mut Recorder::default());
+            // In these modes a leaf is fully opaque, or nothing: the rows know what is there by its opacity.
+            let by_opacity = matches!(mode, Mode::FirstOpaque | Mode::LastOpaque);
+            if by_opacity && nodes.iter().any(|node| node.present && node.rgba[3] == 0) {
+                return outputs;
+            }
+            let (rgba, sample) = match format.words.accumulator_bits {
+                ..=16 => combined(mode, &nodes, format, |raw| raw as u32),
+                _ => combined(mode, &nodes, format, |raw| raw),
+            };
+            if let Some(sample) = sample.filter(|sample| ![i32::MIN, i32::MAX].contains(sample)) {
+                outputs[1] = sample.into();
+            }
+            outputs.splice(2.., rgba.map(i128::from));
+            outputs
+        };
+        Some(lines.iter().map(answer).collect())
     }
 
     fn legalise(&self, format: &Format, inputs: &mut [i128]) {
