@@ -187,11 +187,6 @@ impl AbcLanes {
         }
     }
 
-    /// The neighbours of a sample that are read, the sample itself among them.
-    pub fn reads(&self) -> &[Neighbour] {
-        &self.reads
-    }
-
     /// Shades `n` samples. `neighbour(w, v, u)` is a row of the neighbourhood, each index 0 to 2 and `neighbour(1, 1, 1)` the
     /// samples themselves, with `n` lanes at least; `at(lane)` is the lane's (u, v, k). `out.present` must have `n` entries. In perspective the rays must have been
     /// aimed at, their signs along u may change once, and the one along v not at all.
@@ -264,7 +259,7 @@ impl AbcLanes {
     pub fn shade_block(
         &mut self,
         begin: impl FnOnce(&mut ShadedBlock),
-        fill: impl FnOnce(&[Neighbour], &mut Around),
+        fill: impl Fn(&[Neighbour], &mut Around),
         count: usize,
         at: impl Fn(usize) -> [i64; 3] + Copy,
         geometry: &Geometry,
@@ -282,7 +277,7 @@ impl AbcLanes {
     #[inline(always)]
     fn block(
         &mut self,
-        fill: impl FnOnce(&[Neighbour], &mut Around),
+        fill: impl Fn(&[Neighbour], &mut Around),
         count: usize,
         at: impl Fn(usize) -> [i64; 3] + Copy,
         geometry: &Geometry,
@@ -293,28 +288,19 @@ impl AbcLanes {
                 self.stages.class[lane] = rays.class(at(lane));
             }
         }
-        if self.table.rows.is_some() {
-            fill(&self.reads, &mut self.stages.around);
-            self.gradient_stage(count, at);
-            self.normal_stage();
-            let Stages { magnitude, class, .. } = &self.stages;
-            self.table.opacity(magnitude, class, out);
-            if self.skip && !any(&out.opacity) {
-                out.colour = [[0; BLOCK]; 3];
-                return None;
-            }
-        } else {
-            let Stages { magnitude, class, .. } = &self.stages;
-            self.table.opacity(magnitude, class, out);
-            if self.skip && !any(&out.opacity) {
-                out.colour = [[0; BLOCK]; 3];
-                return None;
-            }
-            if self.gradient.is_some() {
-                fill(&self.reads, &mut self.stages.around);
-            }
-            self.gradient_stage(count, at);
-            self.normal_stage();
+        // Where the opacity depends on the gradient, that comes first.
+        let first = self.table.rows.is_some();
+        if first {
+            self.gradient_stages(&fill, count, at);
+        }
+        let Stages { magnitude, class, .. } = &self.stages;
+        self.table.opacity(magnitude, class, out);
+        if self.skip && !any(&out.opacity) {
+            out.colour = [[0; BLOCK]; 3];
+            return None;
+        }
+        if !first {
+            self.gradient_stages(&fill, count, at);
         }
         self.table.colour(out);
         self.light_stage(count, at, out);
@@ -328,6 +314,21 @@ impl AbcLanes {
             }
         }
         Some(self.clear_transparent(out))
+    }
+
+    /// Neighbours, gradient and normal.
+    #[inline(always)]
+    fn gradient_stages(
+        &mut self,
+        fill: &impl Fn(&[Neighbour], &mut Around),
+        count: usize,
+        at: impl Fn(usize) -> [i64; 3] + Copy,
+    ) {
+        if self.gradient.is_some() {
+            fill(&self.reads, &mut self.stages.around);
+        }
+        self.gradient_stage(count, at);
+        self.normal_stage();
     }
 
     /// A transparent sample has no colour and counts no overflow.
