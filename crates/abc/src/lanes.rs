@@ -86,7 +86,7 @@ pub struct AbcLanes {
     cue: Option<LinearFactor>,
     rays: Option<RayLanes>,
     /// Those of the 27 neighbours that are read.
-    reads: Vec<Neighbour>,
+    reads: Vec<Neighbours>,
     skip: bool,
     stages: Stages,
 }
@@ -103,6 +103,9 @@ pub struct Neighbour {
     /// From ray to ray.
     pub u: usize,
 }
+
+/// Neighbours that are gathered together, so that the loop over their lanes is a long one. The last ones of a list may be the same.
+pub type Neighbours = [Neighbour; 4];
 
 /// Light, ready for blocks.
 #[derive(Clone, Debug)]
@@ -214,8 +217,8 @@ impl AbcLanes {
                     let count = BLOCK.min(n - from);
                     let saturated = self.block(
                         #[inline(always)]
-                        |reads: &[Neighbour], around: &mut Around| {
-                            for &Neighbour { place, w, v, u } in reads {
+                        |reads: &[Neighbours], around: &mut Around| {
+                            for &Neighbour { place, w, v, u } in reads.as_flattened() {
                                 around[place] = block(&neighbour(w, v, u)[..n], from);
                             }
                         },
@@ -259,7 +262,7 @@ impl AbcLanes {
     pub fn shade_block(
         &mut self,
         begin: impl FnOnce(&mut ShadedBlock),
-        fill: impl Fn(&[Neighbour], &mut Around),
+        fill: impl Fn(&[Neighbours], &mut Around),
         count: usize,
         at: impl Fn(usize) -> [i64; 3] + Copy,
         geometry: &Geometry,
@@ -277,7 +280,7 @@ impl AbcLanes {
     #[inline(always)]
     fn block(
         &mut self,
-        fill: impl Fn(&[Neighbour], &mut Around),
+        fill: impl Fn(&[Neighbours], &mut Around),
         count: usize,
         at: impl Fn(usize) -> [i64; 3] + Copy,
         geometry: &Geometry,
@@ -320,7 +323,7 @@ impl AbcLanes {
     #[inline(always)]
     fn gradient_stages(
         &mut self,
-        fill: &impl Fn(&[Neighbour], &mut Around),
+        fill: &impl Fn(&[Neighbours], &mut Around),
         count: usize,
         at: impl Fn(usize) -> [i64; 3] + Copy,
     ) {
@@ -442,15 +445,16 @@ pub(crate) fn reads(method: GradientMethod, by: [i64; 3]) -> bool {
 }
 
 /// The neighbours that a frame reads; where rays may run either way, those of any of them.
-fn neighbours(method: Option<GradientMethod>, mirrored: bool) -> Vec<Neighbour> {
+fn neighbours(method: Option<GradientMethod>, mirrored: bool) -> Vec<Neighbours> {
     let signs: &[i64] = if mirrored { &[1, -1] } else { &[1] };
     let all = (0..27).map(|place| Neighbour { place, w: place / 9, v: place / 3 % 3, u: place % 3 });
     let read = |&Neighbour { place, w, v, u }: &Neighbour| {
         let [u, v, w] = [u, v, w].map(|i| i as i64 - 1);
         let any = |method| signs.iter().any(|su| signs.iter().any(|sv| reads(method, [su * u, sv * v, w])));
-        place == HERE || method.is_some_and(any)
+        place != HERE && method.is_some_and(any)
     };
-    all.filter(read).collect()
+    let read: Vec<Neighbour> = all.filter(read).collect();
+    read.chunks(4).map(|some| std::array::from_fn(|i| some[i.min(some.len() - 1)])).collect()
 }
 
 /// Colours in the light: `min(round(colour · diffuse) + specular, 1)`, and how many words of each lane were saturated, added to what
@@ -731,7 +735,7 @@ impl ClassifyLanes {
         }
     }
 
-    /// Opacities of a block, and which samples take part. `magnitude` is read where the opacity depends on it; `class` is 0 where there
+    /// Opacities of a block, and which samples take part: the others are 0. `magnitude` is read where the opacity depends on it; `class` is 0 where there
     /// is one class.
     #[inline(always)]
     pub fn opacity(&self, magnitude: &Block<u32>, class: &Block<u32>, out: &mut ShadedBlock) {
@@ -740,26 +744,33 @@ impl ClassifyLanes {
         let Some(last) = table.len().checked_sub(1) else {
             return;
         };
-        let ShadedBlock { present, samples, opacity, .. } = out;
+        let [low, high] = self.threshold;
+        // Copies, which nothing that is written can be part of.
+        let (words, mut there, mut found) = (out.samples, out.present, [0; BLOCK]);
+        let mut kept = [0; BLOCK];
         if self.flat {
             for i in 0..BLOCK {
-                opacity[i] = table[((samples[i] as u32 >> shift) as usize).min(last)];
+                let word = words[i] as u32;
+                let takes_part = there[i] != 0 && word >= low && word <= high;
+                let entry = table[((word >> shift) as usize).min(last)];
+                there[i] = u32::from(takes_part);
+                found[i] = if takes_part { entry } else { 0 };
+                kept[i] = if takes_part { words[i] } else { 0 };
             }
         } else {
             let width = self.width;
             let (drop, top) = self.rows.unwrap_or((0, 0));
             for i in 0..BLOCK {
+                let word = words[i] as u32;
+                let takes_part = there[i] != 0 && word >= low && word <= high;
                 let row = class[i] * (top + 1) + (magnitude[i] >> drop).min(top);
-                opacity[i] = table[((row * width + (samples[i] as u32 >> shift)) as usize).min(last)];
+                let entry = table[((row * width + (word >> shift)) as usize).min(last)];
+                there[i] = u32::from(takes_part);
+                found[i] = if takes_part { entry } else { 0 };
+                kept[i] = if takes_part { words[i] } else { 0 };
             }
         }
-        let [low, high] = self.threshold;
-        for i in 0..BLOCK {
-            let word = samples[i] as u32;
-            let takes_part = present[i] != 0 && word >= low && word <= high;
-            present[i] = u32::from(takes_part);
-            opacity[i] = if takes_part { opacity[i] } else { 0 };
-        }
+        (out.samples, out.present, out.opacity) = (kept, there, found);
     }
 
     /// Colours of a block, to be cleared where the opacity is 0.

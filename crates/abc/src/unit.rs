@@ -8,7 +8,7 @@
 //! rays pass straight through.
 
 use crate::golden::Shaded;
-use crate::lanes::{AbcLanes, Around, HERE, Neighbour, ShadedBlock, ShadedRow, reads};
+use crate::lanes::{AbcLanes, Around, HERE, Neighbour, Neighbours, ShadedBlock, ShadedRow, reads};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, PortState, Wait};
 use cube3_host::{BESIDE, DiscreteRay, FrameSetup, Geometry, GradientMethod, MachineSpec, SampleBounds};
 use cube3_trilin::{RaySamples, SampleRay};
@@ -109,12 +109,10 @@ pub struct Shader {
 #[derive(Clone, Debug)]
 struct Parallel {
     bounds: SampleBounds,
-    /// Words of bits for a row.
-    words: usize,
     /// Which samples lie in the volume along u, for every slot: see [`SampleBounds::bits`].
-    along_u: Vec<u16>,
+    along_u: Vec<[u16; BESIDE]>,
     /// The same along v for the plane in hand.
-    along_v: Vec<u16>,
+    along_v: Vec<[u16; BESIDE]>,
     plane: Option<usize>,
     /// Whether something depends on where a ray is.
     placed: bool,
@@ -131,17 +129,16 @@ impl Parallel {
         let bounds = SampleBounds::new(geometry)?;
         let words = geometry.size[2].div_ceil(BLOCK);
         let [slots, _] = geometry.slot_counts();
-        let mut along_u = vec![0; slots * BESIDE * words];
+        let mut along_u = vec![[0; BESIDE]; slots * words];
         let mut rays = Vec::new();
-        for (slot, along_u) in along_u.chunks_mut(BESIDE * words).enumerate() {
+        for (slot, along_u) in along_u.chunks_mut(words).enumerate() {
             geometry.rays_along(0, slot, &mut rays);
             bounds.bits(0, &rays, along_u);
         }
         Some(Parallel {
             bounds,
-            words,
             along_u,
-            along_v: vec![0; BESIDE * words],
+            along_v: vec![[0; BESIDE]; words],
             plane: None,
             placed: !setup.clips.is_empty() || setup.depth_cue.is_some(),
             rays: [rays, Vec::new()],
@@ -172,17 +169,30 @@ struct Any {
     row: ShadedRow,
 }
 
-/// A neighbour ray's samples whose bits are set, and the border elsewhere.
+/// Samples of neighbour rays whose bits are set, and the border elsewhere.
 #[inline(always)]
-fn select(samples: &[i32], bits: u16, border: i32) -> Block<i32> {
-    let mut out = [border; BLOCK];
-    let Some(samples) = samples.first_chunk::<BLOCK>() else {
-        return out;
-    };
+fn select(samples: [&Block<i32>; 4], bits: [u16; 4], border: i32) -> [Block<i32>; 4] {
+    // Loaded before they are chosen from: a word that is loaded under a condition costs a branch.
+    let samples = [*samples[0], *samples[1], *samples[2], *samples[3]];
+    let mut out = [[0; BLOCK]; 4];
     for i in 0..BLOCK {
-        out[i] = if bits & (1 << i) == 0 { border } else { samples[i] };
+        for j in 0..4 {
+            out[j][i] = if u32::from(bits[j]) >> i & 1 == 0 { border } else { samples[j][i] };
+        }
     }
     out
+}
+
+/// Where a plane is kept to be read, of `planes` buffers of which the first `kept` are those of the first planes.
+#[inline]
+fn place(plane: usize, kept: usize, planes: usize) -> usize {
+    if plane < kept { plane } else { in_ring(plane, kept, planes) }
+}
+
+/// Where it is in the ring behind those.
+#[inline]
+fn in_ring(plane: usize, kept: usize, planes: usize) -> usize {
+    kept + plane % (planes - kept)
 }
 
 impl Shader {
@@ -214,19 +224,7 @@ impl Shader {
     /// The row of a slot: a word, and then the samples in order of depth.
     #[inline]
     fn samples(&self, plane: usize, slot: usize) -> &[i32] {
-        &self.planes[self.place(plane)][slot * self.row..][..self.row]
-    }
-
-    /// Where a plane is kept to be read.
-    #[inline]
-    fn place(&self, plane: usize) -> usize {
-        if plane < self.kept { plane } else { self.in_ring(plane) }
-    }
-
-    /// Where it is in the ring.
-    #[inline]
-    fn in_ring(&self, plane: usize) -> usize {
-        self.kept + plane % (self.planes.len() - self.kept)
+        &self.planes[place(plane, self.kept, self.planes.len())][slot * self.row..][..self.row]
     }
 
     /// Fills one of the 27 neighbour rays: the samples at displacement (u, v, w), or the border.
@@ -263,7 +261,7 @@ impl Shade for Shader {
     fn take(&mut self, _: &FrameSetup, ray: &mut SampleRay<RaySamples>) {
         let (plane, slot) = (ray.plane as usize, ray.slot as usize);
         let row = slot * self.row..(slot + 1) * self.row;
-        let held = self.in_ring(plane);
+        let held = in_ring(plane, self.kept, self.planes.len());
         let place = &mut self.planes[held][row.clone()];
         for (from, block) in ray.data.0.iter().enumerate() {
             if let Some(place) = place[from * BLOCK + 1..].first_chunk_mut() {
@@ -278,26 +276,20 @@ impl Shade for Shader {
 
     fn give(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut ShadedSamples) {
         output.0.resize(self.row / BLOCK - 1, ShadedBlock::default());
-        match self.parallel.take() {
-            Some(mut parallel) => {
-                self.shade_parallel(setup, &mut parallel, plane, slot, output);
-                self.parallel = Some(parallel);
-            }
-            None => self.shade_any(setup, plane, slot, output),
+        if self.parallel.is_some() {
+            self.shade_parallel(setup, plane, slot, output);
+        } else {
+            self.shade_any(setup, plane, slot, output);
         }
     }
 }
 
 impl Shader {
     /// A slot of a parallel frame, whose neighbours are those of the same slots and planes at every depth.
-    fn shade_parallel(
-        &mut self,
-        setup: &FrameSetup,
-        parallel: &mut Parallel,
-        plane: usize,
-        slot: usize,
-        output: &mut ShadedSamples,
-    ) {
+    fn shade_parallel(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut ShadedSamples) {
+        let Shader { arithmetic, planes: buffers, row, kept, overflows, parallel: Some(parallel), .. } = self else {
+            return;
+        };
         let geometry = &setup.geometry;
         let depths = geometry.size[2];
         parallel.aim(geometry, plane, slot);
@@ -307,44 +299,56 @@ impl Shader {
             // Beyond the last plane comes the first where they are shared, and else nothing that is in the volume.
             let above = plane.checked_sub(1).unwrap_or(planes - 1);
             let below = if plane + 1 < planes { plane + 1 } else { 0 };
-            parallel.planes = [self.place(above), self.place(plane), self.place(below)];
+            parallel.planes = [above, plane, below].map(|plane| place(plane, *kept, buffers.len()));
             parallel.around = Some(plane);
         }
         // Likewise slots.
         let left = slot.checked_sub(1).unwrap_or(slots - 1);
         let right = if slot + 1 < slots { slot + 1 } else { 0 };
-        let Shader { arithmetic, planes, row, overflows, .. } = self;
-        let planes = [&planes[parallel.planes[0]], &planes[parallel.planes[1]], &planes[parallel.planes[2]]];
+        let [above, here, below] = parallel.planes;
+        let planes = [&buffers[above], &buffers[here], &buffers[below]];
         let starts = [left * *row, slot * *row, right * *row];
-        let Parallel { words, along_u, along_v, rays: [rays_u, rays_v], .. } = parallel;
-        let words = *words;
-        let along_u = &along_u[slot * BESIDE * words..][..BESIDE * words];
-        for (word, out) in output.0.iter_mut().enumerate() {
+        let Parallel { along_u, along_v, rays: [rays_u, rays_v], .. } = parallel;
+        let along_u = &along_u[slot * along_v.len()..];
+        for (word, ((out, along_u), along_v)) in output.0.iter_mut().zip(along_u).zip(along_v).enumerate() {
             let from = word * BLOCK;
             let count = BLOCK.min(depths - from);
-            let bits = |w: usize, v: usize, u: usize| {
-                along_u[(3 * w + u) * words + word] & along_v[(3 * w + v) * words + word]
+            let samples = |w: usize, v: usize, u: usize| -> &Block<i32> {
+                planes[v][starts[u] + from + w..].first_chunk().unwrap_or(&[0; BLOCK])
             };
+            let bits = |w: usize, v: usize, u: usize| along_u[3 * w + u] & along_v[3 * w + v];
             let at =
                 |lane: usize| [i64::from(rays_u[from + lane]), i64::from(rays_v[from + lane]), (from + lane) as i64];
             let saturated = arithmetic.shade_block(
                 #[inline(always)]
                 |out: &mut ShadedBlock| {
-                    let here = bits(1, 1, 1);
+                    let here = u32::from(bits(1, 1, 1));
                     for i in 0..BLOCK {
-                        out.present[i] = u32::from(here & (1 << i) != 0);
+                        out.present[i] = here >> i & 1;
                     }
                     for clip in &setup.clips {
                         for (lane, present) in out.present[..count].iter_mut().enumerate() {
                             *present &= u32::from(geometry.evaluate(&clip.distance, at(lane)) >= 0);
                         }
                     }
-                    out.samples = select(&planes[1][starts[1] + from + 1..], here, border);
+                    out.samples = *samples(1, 1, 1);
                 },
                 #[inline(always)]
-                |reads: &[Neighbour], around: &mut Around| {
-                    for &Neighbour { place, w, v, u } in reads {
-                        around[place] = select(&planes[v][starts[u] + from + w..], bits(w, v, u), border);
+                |reads: &[Neighbours], around: &mut Around| {
+                    for group in reads {
+                        let samples = |i: usize| {
+                            let Neighbour { w, v, u, .. } = group[i];
+                            samples(w, v, u)
+                        };
+                        let bits = |i: usize| {
+                            let Neighbour { w, v, u, .. } = group[i];
+                            bits(w, v, u)
+                        };
+                        let samples = [samples(0), samples(1), samples(2), samples(3)];
+                        let gathered = select(samples, [bits(0), bits(1), bits(2), bits(3)], border);
+                        for (Neighbour { place, .. }, block) in group.iter().zip(&gathered) {
+                            around[*place] = *block;
+                        }
                     }
                 },
                 count,
@@ -352,9 +356,6 @@ impl Shader {
                 geometry,
                 out,
             );
-            for i in 0..BLOCK {
-                out.samples[i] = if out.present[i] == 0 { 0 } else { out.samples[i] };
-            }
             *overflows += u64::from(saturated.unwrap_or(0));
         }
     }
@@ -437,6 +438,12 @@ impl AbcSpec {
     /// The e-th slot to be shaded: plane and ray. Where the last is followed by the first, the first comes last.
     #[inline]
     pub fn order(&self, e: u64) -> [u64; 2] {
+        self.turned([e / self.slots, e % self.slots])
+    }
+
+    /// The same for the plane and slot that would be next if the first came first.
+    #[inline]
+    fn turned(&self, [plane, slot]: [u64; 2]) -> [u64; 2] {
         let turn = |i: u64, n: u64, closes: bool| {
             if !(closes && self.buffered) {
                 i
@@ -446,17 +453,17 @@ impl AbcSpec {
                 i + 1
             }
         };
-        [turn(e / self.slots, self.planes, self.closes[1]), turn(e % self.slots, self.slots, self.closes[0])]
+        [turn(plane, self.planes, self.closes[1]), turn(slot, self.slots, self.closes[0])]
     }
 
-    /// The oldest plane of the ring that the e-th slot and later ones need: the one above it. Where the first plane comes
-    /// last, that is the last.
+    /// The oldest plane of the ring that the slots of a plane, counted in the order in which they are shaded, and later ones need: the one
+    /// above it. Where the first plane comes last, that is the last.
     #[inline]
-    fn oldest(&self, e: u64) -> u64 {
-        let [current, _] = self.order(e);
+    fn oldest(&self, plane: u64) -> u64 {
+        let [current, _] = self.turned([plane, 0]);
         if !self.buffered {
             current
-        } else if self.closes[1] && e >= self.slots * (self.planes - 1) {
+        } else if self.closes[1] && plane + 1 >= self.planes {
             self.planes - 1
         } else {
             current.saturating_sub(1)
@@ -498,8 +505,8 @@ struct State {
     taken: u64,
     /// Frame that is being given.
     frame: u32,
-    /// Rays given of that frame.
-    given: u64,
+    /// Planes and slots of the next given of that frame, counted in the order in which they are.
+    next: [u64; 2],
     take_spent: u64,
     give_spent: u64,
 }
@@ -565,7 +572,7 @@ impl<A: Shade> AbcUnit<A> {
         let Some(AbcFrame { spec, .. }) = self.frames.get(self.state.frame as usize) else {
             return true;
         };
-        let oldest = spec.oldest(self.state.given);
+        let oldest = spec.oldest(self.state.next[0]);
         if frame == self.state.frame {
             return plane < oldest + spec.ring;
         }
@@ -577,7 +584,7 @@ impl<A: Shade> AbcUnit<A> {
         let Some(AbcFrame { spec, arithmetic, base }) = self.frames.get_mut(self.state.frame as usize) else {
             return Activity::Starved;
         };
-        let [plane, slot] = spec.order(self.state.given);
+        let [plane, slot] = spec.turned(self.state.next);
         if self.state.taken < *base + spec.needed(plane, slot) {
             return Activity::Starved;
         }
@@ -594,9 +601,13 @@ impl<A: Shade> AbcUnit<A> {
         let setup = &frames[self.state.frame as usize];
         arithmetic.give(setup, plane as usize, slot as usize, &mut output.data);
         self.state.give_spent = 0;
-        self.state.given += 1;
-        if self.state.given == spec.slots * spec.planes {
-            self.state.given = 0;
+        let [plane, slot] = &mut self.state.next;
+        *slot += 1;
+        if *slot == spec.slots {
+            (*plane, *slot) = (*plane + 1, 0);
+        }
+        if *plane == spec.planes {
+            *plane = 0;
             self.state.frame += 1;
         }
         Activity::Busy
@@ -614,7 +625,7 @@ impl<A: Shade> AbcUnit<A> {
             return None;
         }
         let AbcFrame { spec, base, .. } = self.frames.get(self.state.frame as usize)?;
-        let [plane, slot] = spec.order(self.state.given);
+        let [plane, slot] = spec.turned(self.state.next);
         // Where the next ray to be given still lacks a neighbour, the unit waits for itself: the ring is too small.
         let lacks = self.state.taken < base + spec.needed(plane, slot);
         Some(Wait {

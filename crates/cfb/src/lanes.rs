@@ -11,6 +11,10 @@ pub struct FrameBuffer {
     placement: Placement,
     /// What each coordinate adds to the address and to the number of the module, for x, y, z.
     terms: [Vec<Term>; 3],
+    /// Whether a beam along x, y, z that is not reversed is whole rows of words, turned.
+    turns: [bool; 3],
+    /// Chunks of lanes of a beam along x, y, z.
+    chunks: [usize; 3],
     /// Words by address, those of all modules at an address side by side.
     modules: Vec<u16>,
     /// The other half of a double buffer.
@@ -25,6 +29,12 @@ struct Term {
     address: usize,
     /// Below the number of modules.
     module: usize,
+}
+
+/// Whether each whole chunk of lanes of a beam has one address, and each voxel the module behind that of the one before.
+fn turns(lanes: usize, terms: &[Term]) -> bool {
+    let by_one = terms.get(1).is_some_and(|term| term.module == 1);
+    by_one && terms.chunks_exact(lanes).all(|chunk| chunk.iter().all(|term| term.address == chunk[0].address))
 }
 
 /// A frame buffer that cannot be built.
@@ -79,9 +89,17 @@ impl FrameBuffer {
             xyz[axis] = i as i64;
             Term { address: placement.term(axis, i), module: skew.module(xyz) }
         };
-        let terms = [0, 1, 2].map(|axis| (0..dims[axis]).map(|i| term(axis, i)).collect());
+        let terms: [Vec<Term>; 3] = [0, 1, 2].map(|axis| (0..dims[axis]).map(|i| term(axis, i)).collect());
         let modules = vec![0; words * skew.lanes];
-        let mut buffer = FrameBuffer { placement, terms, modules, back: None, incoming: Vec::new() };
+        let mut buffer = FrameBuffer {
+            placement,
+            turns: [0, 1, 2].map(|axis| turns(skew.lanes, &terms[axis])),
+            chunks: dims.map(|n| n.div_ceil(skew.lanes)),
+            terms,
+            modules,
+            back: None,
+            incoming: Vec::new(),
+        };
         let mut voxel = voxels.iter();
         for z in 0..dims[2] {
             for y in 0..dims[1] {
@@ -150,37 +168,48 @@ impl FrameBuffer {
         let [along, axis_v, axis_w] = axes.axis;
         let dims = self.placement.dims;
         let (n, lanes) = (dims[along], self.placement.skew.lanes);
-        beam.resize(n.div_ceil(lanes) * lanes, 0);
+        beam.resize(self.chunks[along] * lanes, 0);
         let from = |reversed: bool, i: usize, n: usize| if reversed { n - 1 - i } else { i };
         let mut start = [0; 3];
         start[axis_v] = from(axes.reversed[1], v, dims[axis_v]);
         start[axis_w] = from(axes.reversed[2], w, dims[axis_w]);
         let rest = self.term(start);
-        let (terms, reversed) = (&self.terms[along], axes.reversed[0]);
-        let mut lane = output_lane(lanes, [0, v, w]);
-        for (chunk, beam) in beam.chunks_mut(lanes).enumerate() {
-            let (first, end) = (chunk * lanes, n.min((chunk + 1) * lanes));
-            if end - first < lanes {
-                beam.fill(0);
-            } else if !reversed && let [near, next, .., far] = &terms[first..end] {
-                let by_one = next.module == near.module + 1 || (next.module == 0 && near.module + 1 == lanes);
-                if by_one && near.address == far.address {
-                    // One address of all modules, which are turned to their lanes.
-                    let row = &self.modules[(near.address + rest.address) * lanes..][..lanes];
-                    let mut by = lane + 2 * lanes - near.module - rest.module;
-                    while by >= lanes {
-                        by -= lanes;
-                    }
-                    turn(row, by, beam);
-                    continue;
-                }
+        let lane = output_lane(lanes, [0, v, w]);
+        let mut first = 0;
+        if self.turns[along] && !axes.reversed[0] {
+            // One address of all modules, which are turned to their lanes.
+            let mut by = lane + lanes - rest.module;
+            while by >= lanes {
+                by -= lanes;
             }
-            for u in first..end {
-                let term = terms[from(reversed, u, n)];
+            while first + lanes <= n {
+                let row = (self.terms[along][first].address + rest.address) * lanes;
+                turn(&self.modules[row..][..lanes], by, &mut beam[first..][..lanes]);
+                first += lanes;
+            }
+        }
+        if first < n {
+            self.fetch_words(along, axes.reversed[0], first, rest, lane, &mut beam[first..]);
+        }
+    }
+
+    /// The voxels of a beam from `first` on, word by word. `rest` is what its row and plane give to addresses and modules, `lane` that of the
+    /// first voxel.
+    fn fetch_words(&self, along: usize, reversed: bool, first: usize, rest: Term, mut lane: usize, beam: &mut [u16]) {
+        let (n, lanes) = (self.placement.dims[along], self.placement.skew.lanes);
+        let mut u = first;
+        for beam in beam.chunks_mut(lanes) {
+            let end = n.min(u + lanes);
+            if end - u < lanes {
+                beam.fill(0);
+            }
+            while u < end {
+                let term = self.terms[along][if reversed { n - 1 - u } else { u }];
                 let module = term.module + rest.module;
                 let module = if module >= lanes { module - lanes } else { module };
                 beam[lane] = self.modules[(term.address + rest.address) * lanes + module];
                 lane = if lane + 1 == lanes { 0 } else { lane + 1 };
+                u += 1;
             }
         }
     }

@@ -194,9 +194,14 @@ accumulator!(u64);
 
 /// The leaves and trees of one slot, for modes whose nodes add up, and accumulators of 16 bits at most: a sum that a transparent sample
 /// does not change. Blocks of leaves are reduced at once.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct SlotLanes {
-    /// Red, green, blue, opacity of the leaves in order of depth, block by block.
+    cone: ConeRegisters,
+    words: Words,
+    opacity: Resize,
+    colour: Resize,
+    sums: Sums,
+    /// Red, green, blue, opacity of the leaves in order of depth, block by block; any where a block has none that is not transparent.
     leaves: Vec<Leaves>,
     /// Which leaves of each block are not transparent: a bit each, the first the lowest.
     seen: Vec<u16>,
@@ -219,67 +224,100 @@ struct Sums {
 }
 
 impl SlotLanes {
-    /// Whether a frame's mode and words let it be used.
-    pub fn fits(cone: &ConeRegisters, words: &Words) -> bool {
+    /// Lanes for a frame, where its mode and words let them be used.
+    pub fn new(cone: &ConeRegisters, words: &Words) -> Option<SlotLanes> {
         let adds = matches!(cone.mode, Mode::Composite | Mode::WeightedSum);
-        adds && cone.order == ConeOrder::Tree && words.accumulator_bits <= 16
+        let bits = words.accumulator_bits;
+        let over = cone.mode == Mode::Composite;
+        (adds && cone.order == ConeOrder::Tree && bits <= 16).then(|| SlotLanes {
+            cone: *cone,
+            words: *words,
+            opacity: Resize::new(words.opacity_bits, bits),
+            colour: Resize::new(words.colour_bits, bits),
+            sums: Sums { factors: UnitFactors::new(words), full: unit_full(bits), over },
+            leaves: Vec::new(),
+            seen: Vec::new(),
+            nodes: Vec::new(),
+        })
     }
 
     /// Takes the samples of a slot.
-    pub fn leaves(&mut self, input: &ShadedSamples, words: &Words) {
-        let bits = words.accumulator_bits;
-        let (opacity, colour) = (Resize::new(words.opacity_bits, bits), Resize::new(words.colour_bits, bits));
-        let factors = UnitFactors::new(words);
+    pub fn leaves(&mut self, input: &ShadedSamples) {
+        let SlotLanes { opacity, colour, sums: Sums { factors, .. }, .. } = *self;
         self.leaves.resize(input.0.len(), Leaves::default());
         self.seen.resize(input.0.len(), 0);
         for ((leaves, seen), shaded) in self.leaves.iter_mut().zip(&mut self.seen).zip(&input.0) {
-            *seen = vectorised(
-                #[inline(always)]
-                || weighted(&shaded.opacity, &shaded.colour, opacity, colour, factors, &mut leaves.0),
-            );
+            *seen = if shaded.opacity.iter().fold(0, |any, opacity| any | opacity) == 0 {
+                0
+            } else {
+                vectorised(
+                    #[inline(always)]
+                    || weighted(&shaded.opacity, &shaded.colour, opacity, colour, factors, &mut leaves.0),
+                )
+            };
         }
     }
 
     /// A ray, the samples from `range`: a tree over each chunk of the cone's leaves, whose results are combined in order.
-    pub fn ray(&mut self, range: Range<usize>, cone: &ConeRegisters, words: &Words) -> Node {
-        let sums = Sums {
-            factors: UnitFactors::new(words),
-            full: unit_full(words.accumulator_bits),
-            over: cone.mode == Mode::Composite,
-        };
+    #[inline]
+    pub fn ray(&mut self, range: Range<usize>) -> Node {
+        if self.sees(range.clone()) { self.trees(range) } else { Node::default() }
+    }
+
+    fn trees(&mut self, range: Range<usize>) -> Node {
+        let (leaves, mode) = (self.cone.leaves, self.cone.mode);
+        if range.end <= leaves.min(BLOCK) {
+            return self.block(0, range);
+        }
         let mut sum = Node::default();
-        for chunk in range.start / cone.leaves..range.end.div_ceil(cone.leaves) {
-            let (start, end) = (chunk * cone.leaves, (chunk + 1) * cone.leaves);
+        let mut start = range.start - range.start % leaves;
+        while start < range.end {
+            let end = start + leaves;
             self.nodes.clear();
             for first in (start..end.min(range.end)).step_by(BLOCK) {
                 let part = range.start.max(first)..range.end.min(first + BLOCK).min(end);
-                self.nodes.push(self.block(first, part, sums));
+                self.nodes.push(self.block(first, part));
             }
             let node = match self.nodes.as_mut_slice() {
                 [node] => *node,
-                nodes => tree_of_ray(nodes, 0, cone.mode, words),
+                nodes => tree_of_ray(nodes, 0, mode, &self.words),
             };
-            sum = if sum.present { combine(cone.mode, sum, node, words) } else { node };
+            sum = if sum.present { combine(mode, sum, node, &self.words) } else { node };
+            start = end;
         }
         sum
     }
 
+    /// Whether any leaf of a range, which is not empty, is not transparent.
+    #[inline]
+    fn sees(&self, range: Range<usize>) -> bool {
+        let (first, last) = (range.start / BLOCK, (range.end - 1) / BLOCK);
+        (first..=last).any(|block| {
+            let behind = if block == first { u16::MAX << (range.start % BLOCK) } else { u16::MAX };
+            let before = if block == last { u16::MAX >> (BLOCK - 1 - (range.end - 1) % BLOCK) } else { u16::MAX };
+            self.seen[block] & behind & before != 0
+        })
+    }
+
     /// The tree over a block of leaves from depth `first` on, of which those of `part` are of the ray.
-    fn block(&self, first: usize, part: Range<usize>, sums: Sums) -> Node {
+    #[inline]
+    fn block(&self, first: usize, part: Range<usize>) -> Node {
+        let sums = self.sums;
         if part.is_empty() {
             return Node::default();
         }
         let moved;
         let leaves = if first.is_multiple_of(BLOCK) {
-            let bits = u32::from(u16::MAX) >> (BLOCK - part.len()) << (part.start - first);
-            if u32::from(self.seen[first / BLOCK]) & bits == 0 {
+            if !self.sees(part.clone()) {
                 return Node::default();
             }
             &self.leaves[first / BLOCK].0
         } else {
             // Chunks that begin within a block: of lanes that are no multiple of one.
-            let leaf =
-                |depth: usize, i: usize| self.leaves.get(depth / BLOCK).map_or(0, |block| block.0[i][depth % BLOCK]);
+            let leaf = |depth: usize, i: usize| match self.seen.get(depth / BLOCK) {
+                None | Some(0) => 0,
+                Some(_) => self.leaves[depth / BLOCK].0[i][depth % BLOCK],
+            };
             moved = [0, 1, 2, 3].map(|i| std::array::from_fn(|lane| leaf(first + lane, i)));
             &moved
         };

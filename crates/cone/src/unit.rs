@@ -11,7 +11,7 @@ use crate::golden::{Node, combine, leaf, pixel};
 use crate::lanes::{Segment, SlotLanes, circle_by, in_order, in_order_by, join_by, tree_of_ray};
 use cube3_abc::{ShadedRay, ShadedSamples};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
-use cube3_host::{ConeOrder, DiscreteRay, FrameSetup};
+use cube3_host::{ConeOrder, DiscreteRay, FrameSetup, RayStretches};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -48,8 +48,8 @@ pub trait Reduce: Archived {
     /// What pixel groups carry.
     type Output: Payload;
 
-    /// Reduces a slot to the pixels of its rays.
-    fn reduce(&mut self, setup: &FrameSetup, plane: usize, slot: usize, input: &Self::Input, output: &mut Self::Output);
+    /// Reduces a slot, its frame, plane and number, to the pixels of its rays.
+    fn reduce(&mut self, setup: &FrameSetup, slot: [u32; 3], input: &Self::Input, output: &mut Self::Output);
 }
 
 /// A cone for timing alone.
@@ -61,7 +61,7 @@ impl Reduce for NoPixels {
     type Output = ();
 
     #[inline(always)]
-    fn reduce(&mut self, _: &FrameSetup, _: usize, _: usize, _: &(), _: &mut ()) {}
+    fn reduce(&mut self, _: &FrameSetup, _: [u32; 3], _: &(), _: &mut ()) {}
 }
 
 impl Archived for NoPixels {
@@ -76,8 +76,17 @@ pub struct Reducer {
     overflows: u64,
     /// The leaves of a ray: their memory.
     leaves: Vec<Node>,
+    /// What the frame in hand is reduced with.
+    frame: Option<FrameLanes>,
+}
+
+/// What a frame's registers make.
+#[derive(Clone, Debug)]
+struct FrameLanes {
+    number: u32,
+    rays: RayStretches,
     /// What reduces a slot at once, where mode and words let it.
-    slot: SlotLanes,
+    slot: Option<SlotLanes>,
 }
 
 impl Reducer {
@@ -91,36 +100,40 @@ impl Reduce for Reducer {
     type Input = ShadedSamples;
     type Output = Pixels;
 
-    fn reduce(&mut self, setup: &FrameSetup, plane: usize, slot: usize, input: &ShadedSamples, output: &mut Pixels) {
+    fn reduce(
+        &mut self,
+        setup: &FrameSetup,
+        [frame, plane, slot]: [u32; 3],
+        input: &ShadedSamples,
+        output: &mut Pixels,
+    ) {
         let (cone, words, geometry) = (&setup.cone, &setup.words, &setup.geometry);
-        let at = |depth: usize| Segment {
-            ray: geometry.ray_in_slot(plane, slot, depth),
-            node: leaf(&input.at(depth), cone, words),
+        let (plane, slot) = (plane as usize, slot as usize);
+        if self.frame.as_ref().is_none_or(|lanes| lanes.number != frame) {
+            let (rays, slot) = (RayStretches::new(geometry), SlotLanes::new(cone, words));
+            self.frame = Some(FrameLanes { number: frame, rays, slot });
+        }
+        let Reducer { overflows, leaves, frame: Some(lanes) } = self else {
+            return;
         };
         output.0.clear();
-        let mut send = |Segment { ray, node }: Segment| {
+        let mut send = |ray: DiscreteRay, node: Node| {
             let counted = pixel(node, cone, words);
-            self.overflows += u64::from(counted.overflows);
+            *overflows += u64::from(counted.overflows);
             output.0.push(Pixel { ray, rgba: counted.value });
         };
         if cone.order == ConeOrder::FrontToBack {
-            in_order(geometry.size[2], at, cone.mode, words).into_iter().for_each(send);
-            return;
-        }
-        let at_once = SlotLanes::fits(cone, words);
-        if at_once {
-            self.slot.leaves(input, words);
-        }
-        let mut first = 0;
-        while first < geometry.size[2] {
-            let end = geometry.ray_end(plane, slot, first);
-            let node = if at_once {
-                self.slot.ray(first..end, cone, words)
-            } else {
-                tree(setup, first..end, input, &mut self.leaves)
+            let at = |depth: usize| Segment {
+                ray: geometry.ray_in_slot(plane, slot, depth),
+                node: leaf(&input.at(depth), cone, words),
             };
-            send(Segment { ray: geometry.ray_in_slot(plane, slot, first), node });
-            first = end;
+            let rays = in_order(geometry.size[2], at, cone.mode, words);
+            rays.into_iter().for_each(|Segment { ray, node }| send(ray, node));
+        } else if let Some(lanes_of_slot) = &mut lanes.slot {
+            lanes_of_slot.leaves(input);
+            lanes.rays.of(plane, slot).for_each(|(ray, depths)| send(ray, lanes_of_slot.ray(depths)));
+        } else {
+            lanes.rays.of(plane, slot).for_each(|(ray, depths)| send(ray, tree(setup, depths, input, leaves)));
         }
     }
 }
@@ -244,7 +257,7 @@ impl<R: Reduce> ConeUnit<R> {
         output.frame = ray.frame;
         output.plane = ray.plane;
         output.slot = ray.slot;
-        self.arithmetic.reduce(&frames[frame], ray.plane as usize, ray.slot as usize, &ray.data, &mut output.data);
+        self.arithmetic.reduce(&frames[frame], [ray.frame, ray.plane, ray.slot], &ray.data, &mut output.data);
         shaded.pop_slot();
         self.state.spent = 0;
         Activity::Busy
@@ -268,7 +281,7 @@ impl<R: Reduce> ConeUnit<R> {
 
 impl Archived for Reducer {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let Reducer { overflows, leaves: _, slot: _ } = self;
+        let Reducer { overflows, leaves: _, frame: _ } = self;
         archive.item(overflows)
     }
 }

@@ -20,9 +20,12 @@ impl Rotator {
         let n = self.lanes;
         if slots == n && geometry.size[0] == n {
             // A beam that fills the lanes is turned as a whole: see `rotation`.
-            let by = (geometry.u.columns[depth] + v as u32) % n as u32;
+            let mut by = geometry.u.columns[depth] as usize + v;
+            while by >= n {
+                by -= n;
+            }
             aligned.resize(n, 0);
-            turn(beam, if by == 0 { 0 } else { n - by as usize }, aligned);
+            turn(beam, if by == 0 { 0 } else { n - by }, aligned);
             return;
         }
         aligned.clear();
@@ -64,25 +67,11 @@ impl Rotator {
     }
 }
 
-/// Puts a ray in the lane order of its slot into order of depth.
-#[inline]
-pub fn into_depths<T: Copy>(ray: &[T], lanes: usize, slot: usize, out: &mut [T]) {
-    let start = slot % lanes;
-    for (ray, out) in ray.chunks_exact(lanes).zip(out.chunks_mut(lanes)) {
-        if out.len() == lanes {
-            turn(ray, if start == 0 { 0 } else { lanes - start }, out);
-        } else {
-            let (before, behind) = out.split_at_mut(out.len().min(lanes - start));
-            before.copy_from_slice(&ray[start..][..before.len()]);
-            behind.copy_from_slice(&ray[..behind.len()]);
-        }
-    }
-}
-
 /// The skewed buffers' planes of voxels: a ring, and one more that keeps the first plane. Where slots need their own cells, a
 /// plane holds four voxels for each slot and depth.
 ///
-/// The words of a ray are kept side by side, in its lane order: a beam is spread, and a ray, which is read twice, is one piece.
+/// The words of a ray are kept side by side, in order of depth: a beam is spread, and a ray, which is read twice, is one piece. The word at
+/// depth k is in lane `(j + k) mod lanes`, see [`ray_lane`](crate::golden::ray_lane).
 #[derive(Clone, Debug)]
 pub struct PlaneStore {
     lanes: usize,
@@ -93,6 +82,8 @@ pub struct PlaneStore {
     copies: usize,
     ring: Vec<Vec<u16>>,
     first: Vec<u16>,
+    /// A beam of zeros.
+    zeros: Vec<u16>,
 }
 
 impl PlaneStore {
@@ -103,32 +94,24 @@ impl PlaneStore {
         let copies = if geometry.doubled() { 4 } else { 1 };
         let words = slots * depths * copies;
         let first = if geometry.closes()[1] { vec![0; words] } else { Vec::new() };
-        PlaneStore { lanes, slots, depths, copies, ring: vec![vec![0; words]; planes], first }
+        let zeros = vec![0; copies * slots.div_ceil(lanes) * lanes];
+        PlaneStore { lanes, slots, depths, copies, ring: vec![vec![0; words]; planes], first, zeros }
     }
 
     /// Writes an aligned beam; none writes a row of zeros.
     pub fn write(&mut self, plane: usize, depth: usize, beam: Option<&[u16]>) {
-        let PlaneStore { lanes, slots, depths, .. } = *self;
-        let (chunk, start) = (depth / lanes * lanes, depth % lanes);
-        let width = slots.div_ceil(lanes) * lanes;
         let place = plane % self.ring.len();
-        let kept = if plane == 0 && !self.first.is_empty() { Some(&mut self.first) } else { None };
-        for buffer in kept.into_iter().chain([&mut self.ring[place]]) {
-            for (copy, buffer) in buffer.chunks_exact_mut(slots * depths).enumerate() {
-                for (first, rays) in buffer.chunks_mut(lanes * depths).enumerate() {
-                    let beam = beam.map(|beam| &beam[copy * width + first * lanes..][..lanes]);
-                    let mut lane = start;
-                    for ray in rays.chunks_exact_mut(depths) {
-                        ray[chunk + lane] = beam.map_or(0, |beam| beam[lane]);
-                        lane = if lane + 1 == lanes { 0 } else { lane + 1 };
-                    }
-                }
-            }
+        let beam = beam.unwrap_or(&self.zeros);
+        let PlaneStore { lanes, slots, depths, copies, ring, first, .. } = self;
+        let shape = [*lanes, *slots, *depths, *copies];
+        put(shape, depth, beam, &mut ring[place]);
+        if plane == 0 && !first.is_empty() {
+            put(shape, depth, beam, first);
         }
     }
 
-    /// Reads ray slot `j` of a plane in lane order; `kept` reads the plane that was kept from the start. Unused
-    /// lanes are 0.
+    /// Reads ray slot `j` of a plane in order of depth, filled up with zeros to whole chunks of lanes; `kept` reads the plane that was kept from
+    /// the start.
     pub fn read(&self, plane: usize, kept: bool, j: usize, ray: &mut Vec<u16>) {
         ray.clear();
         self.read_copy(plane, kept, j, 0, ray);
@@ -146,9 +129,40 @@ impl PlaneStore {
     }
 }
 
+/// Writes the beams of a depth, those of all copies behind one another as the rays are.
+fn put([lanes, slots, depths, copies]: [usize; 4], depth: usize, mut beams: &[u16], rays: &mut [u16]) {
+    let start = if depth < lanes { depth } else { depth % lanes };
+    for copy in 0..copies {
+        let (mut first, all) = (copy * slots, (copy + 1) * slots);
+        while first < all {
+            let end = all.min(first + lanes);
+            let rays = &mut rays[first * depths..end * depths];
+            let (beam, behind) = beams.split_at(lanes);
+            // Each ray has its word a lane behind that of the one before; the one behind the last lane is in the first.
+            spread(&beam[start..], &mut rays[depth..], depths);
+            if let Some(rays) = rays.get_mut((lanes - start) * depths + depth..) {
+                spread(&beam[..start], rays, depths);
+            }
+            (first, beams) = (end, behind);
+        }
+    }
+}
+
+/// Writes words `stride` apart, as many as there is room for.
+#[inline]
+fn spread(words: &[u16], out: &mut [u16], stride: usize) {
+    let mut at = 0;
+    for word in words {
+        if let Some(out) = out.get_mut(at) {
+            *out = *word;
+        }
+        at += stride;
+    }
+}
+
 impl Archived for PlaneStore {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let PlaneStore { lanes: _, slots: _, depths: _, copies: _, ring, first } = self;
+        let PlaneStore { lanes: _, slots: _, depths: _, copies: _, ring, first, zeros: _ } = self;
         ring.iter_mut().try_for_each(|plane| archive.list(plane))?;
         archive.list(first)
     }
@@ -157,7 +171,7 @@ impl Archived for PlaneStore {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::golden::{module, ray_lane, rotation};
+    use crate::golden::{module, rotation};
     use cube3_host::{Axes, Geometry, RaySlots, TemplateRule, largest_offset, slope_register};
     use proptest::prelude::*;
 
@@ -170,15 +184,6 @@ mod tests {
     }
 
     proptest! {
-        #[test]
-        fn rays_come_into_order_of_depth(lanes in 1_usize..40, slot in 0_usize..100, depths in 1_usize..100) {
-            let mut ray = vec![0; depths.div_ceil(lanes) * lanes];
-            (0..depths).for_each(|k| ray[ray_lane(lanes, slot, k)] = k + 1);
-            let mut out = vec![0; depths];
-            into_depths(&ray, lanes, slot, &mut out);
-            prop_assert_eq!(out, (1..=depths).collect::<Vec<_>>());
-        }
-
         #[test]
         fn beams_are_written_and_rays_read_without_conflict(lanes in 1_usize..20, fixed in 0_usize..100, chunk in 0_usize..4) {
             let start = chunk * lanes;
@@ -246,7 +251,7 @@ mod tests {
                             (Some(x), Some(y)) => word(x, y, k),
                             _ => 0,
                         };
-                        prop_assert_eq!(ray[ray_lane(lanes, j, k)], expected);
+                        prop_assert_eq!(ray[k], expected);
                     }
                 }
             }

@@ -13,5 +13,5 @@ mod lanes;
 mod unit;
 
 pub use boards::{BoardSpec, LinkWords};
-pub use lanes::{PlaneStore, Rotator, into_depths};
+pub use lanes::{PlaneStore, Rotator};
 pub use unit::{DsbSpec, DsbUnit, NoPlanes, RayPair, RayVoxels, Store};

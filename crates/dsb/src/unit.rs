@@ -25,7 +25,8 @@ pub struct RayPair<D> {
     pub data: D,
 }
 
-/// The voxels of a ray slot in two planes, in lane order. Where slots need their own cells, two rays one after the other: of
+/// The voxels of a ray slot in two planes, in order of depth, filled up with zeros to whole chunks of lanes: that at depth k is in lane
+/// `(slot + k) mod lanes`. Where slots need their own cells, two rays one after the other: of
 /// column L and of column R.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RayVoxels {

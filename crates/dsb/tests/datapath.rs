@@ -5,7 +5,6 @@ use cube3_cfb::golden::Skew;
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, FrameBuffer, VoxelBeam};
 use cube3_channel::Channel;
 use cube3_dsb::bus::BusUnit;
-use cube3_dsb::golden::ray_lane;
 use cube3_dsb::{DsbSpec, DsbUnit, PlaneStore, RayPair, RayVoxels, Rotator};
 use cube3_host::{Cfb, Dsb, FrameSetup, MachineSpec, RaySlots, Rays, TemplateRule, VolumeInfo, frame_setup};
 use cube3_scene::{Scene, View};
@@ -21,7 +20,7 @@ fn expected(setup: &FrameSetup, lanes: usize, plane: usize, slot: usize, voxels:
         let owner = geometry.ray_in_slot(plane, slot, k);
         if let (Some(x), Some(y)) = (geometry.column_at(owner.u, k), geometry.row_at(owner.v, k)) {
             let [x, y, z] = geometry.axes.voxel(geometry.size, [x, y, k]);
-            ray[ray_lane(lanes, slot, k)] = voxels[x + dims[0] * (y + dims[1] * z)];
+            ray[k] = voxels[x + dims[0] * (y + dims[1] * z)];
         }
     }
     ray

@@ -4,7 +4,6 @@
 use cube3_cfb::golden::output_lane;
 use cube3_cfb::{Beam, VoxelBeam};
 use cube3_channel::{Archive, ArchiveError};
-use cube3_dsb::golden::ray_lane;
 use cube3_dsb::{PlaneStore, RayVoxels, Rotator, Store};
 use cube3_host::{FrameSetup, Geometry, MachineSpec, VolumeInfo, picture_setup};
 use cube3_scene::{Perspective, Scene, View};
@@ -56,7 +55,7 @@ fn expected(geometry: &Geometry, lanes: usize, plane: usize, slot: usize, side: 
     for k in 0..geometry.size[2] {
         let owner = geometry.ray_in_slot(plane, slot, k);
         if let Some(xyz) = geometry.corner(owner, k, [0, side / 2, side % 2]) {
-            ray[ray_lane(lanes, slot, k)] = voxel(xyz);
+            ray[k] = voxel(xyz);
         }
     }
     ray

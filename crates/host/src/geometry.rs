@@ -151,12 +151,14 @@ impl Geometry {
     }
 
     /// The pixel of the base plane, column and row from 0, that belongs to a ray.
+    #[inline]
     pub fn pixel(&self, ray: DiscreteRay) -> [usize; 2] {
         let first = self.first_ray();
         [(ray.u - first.u) as usize, (ray.v - first.v) as usize]
     }
 
     /// Ray slots in a plane, and planes in a frame.
+    #[inline]
     pub fn slot_counts(&self) -> [usize; 2] {
         match self.slots {
             RaySlots::Wrapped => [self.size[0], self.size[1]],
@@ -165,12 +167,14 @@ impl Geometry {
     }
 
     /// Whether slots are shared along u and along v, so that the last slot's neighbour is the first.
+    #[inline]
     pub fn closes(&self) -> [bool; 2] {
         let wrapped = self.slots == RaySlots::Wrapped;
         [wrapped && self.shear_u() > 0, wrapped && self.shear_v() > 0]
     }
 
     /// The ray whose voxel is in slot `j` (of plane `i`) at depth `k`.
+    #[inline]
     pub fn ray_in_slot(&self, i: usize, j: usize, k: usize) -> DiscreteRay {
         if let Some(pass) = &self.perspective {
             return DiscreteRay { u: pass.u.first + j as i64, v: pass.v.first + i as i64 };
@@ -235,6 +239,7 @@ impl Geometry {
     }
 
     /// The row below the cells of plane `i` of slots at depth `k` of a perspective frame, where it is in the volume.
+    #[inline]
     pub fn row_below(&self, i: usize, k: usize) -> Option<usize> {
         let row = self.perspective.as_ref()?.v.right(i, k);
         usize::try_from(row).ok().filter(|&row| row < self.size[1])

@@ -35,7 +35,7 @@ pub use registers::{
     Classification, ConeOrder, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, HalfSpace,
     Linear, LinearFactor, Normaliser, Phong, PhongLight, RayRegisters, ReflectanceTable, Shading,
 };
-pub use sample_bounds::{BESIDE, SampleBounds};
+pub use sample_bounds::{BESIDE, RayStretches, SampleBounds};
 pub(crate) use setup::gradient_scale;
 pub use setup::{
     Basis, Frame, HostError, LARGEST_RATIO, LARGEST_SIDE, LeftOut, SPACING_RANGE, VolumeInfo, check_bus, depth_range,

@@ -1,13 +1,15 @@
 //! Which samples of a parallel frame lie in the volume, for whole rays at once.
 
-use crate::{Geometry, RaySlots, Template};
-use cube3_word::BLOCK;
+use crate::{DiscreteRay, Geometry, RaySlots};
+use cube3_word::{BLOCK, Block, block, vectorised};
+use std::ops::Range;
 
 /// For each depth the rays that have a sample in the volume, along u and along v: [`Geometry::has_sample`] of a parallel frame as two
 /// comparisons an axis.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SampleBounds {
-    /// For u and v: the first ray at depth k − 1, and one past the last; nothing before the first depth and behind the last.
+    /// For u and v: the first ray at depth k − 1, and one past the last; nothing before the first depth and behind the last, in whole blocks
+    /// and one more.
     first: [Vec<i32>; 2],
     end: [Vec<i32>; 2],
 }
@@ -29,8 +31,9 @@ impl SampleBounds {
                 let last = geometry.size[axis] as i32 - reach - template.columns[far] as i32;
                 end[axis].push(if there { last } else { 0 });
             }
-            first[axis].push(0);
-            end[axis].push(0);
+            let room = depths.div_ceil(BLOCK) * BLOCK + BLOCK;
+            first[axis].resize(room, 0);
+            end[axis].resize(room, 0);
         }
         Some(SampleBounds { first, end })
     }
@@ -41,19 +44,36 @@ pub const BESIDE: usize = 9;
 
 impl SampleBounds {
     /// Of the rays of a slot along an axis, one for each depth, those that are some rays and slices away and have a sample in the volume along
-    /// this axis: a bit for each depth in words of [`BLOCK`] bits, the first depth the lowest; words `p · ⌈depths / BLOCK⌉` on are those of place `p = 3 (slices + 1) + by + 1`.
-    pub fn bits(&self, axis: usize, rays: &[i32], out: &mut [u16]) {
-        let words = rays.len().div_ceil(BLOCK);
-        for (place, out) in out.chunks_mut(words).enumerate().take(BESIDE) {
-            let (by, slices) = (place as i32 % 3 - 1, place as i32 / 3 - 1);
-            for (first, (rays, out)) in rays.chunks(BLOCK).zip(out).enumerate() {
-                let start = first * BLOCK + (1 + slices) as usize;
-                let (first, end) = (&self.first[axis][start..][..rays.len()], &self.end[axis][start..][..rays.len()]);
-                *out = (0..rays.len())
-                    .map(|i| u16::from((rays[i] + by >= first[i]) & (rays[i] + by < end[i])) << i)
-                    .fold(0, |word, bit| word | bit);
-            }
+    /// this axis: for each [`BLOCK`] depths, and for each place `3 (slices + 1) + by + 1`, a bit for each depth, the first the lowest.
+    pub fn bits(&self, axis: usize, rays: &[i32], out: &mut [[u16; BESIDE]]) {
+        let (first, end) = (&self.first[axis], &self.end[axis]);
+        for (word, out) in out.iter_mut().enumerate() {
+            let from = word * BLOCK;
+            vectorised(
+                #[inline(always)]
+                || {
+                    let rays = block(rays, from);
+                    let bounds = |bounds: &[i32]| [0, 1, 2].map(|slices| block(bounds, from + slices));
+                    inside(&rays, &bounds(first), &bounds(end), out);
+                },
+            );
         }
+    }
+}
+
+/// The bits of a block for the rays by −1, 0 and 1, from the bounds of each of −1, 0 and 1 slices.
+#[inline(always)]
+fn inside(rays: &Block<i32>, first: &[Block<i32>; 3], end: &[Block<i32>; 3], out: &mut [u16; BESIDE]) {
+    let mut bits = [[0; BLOCK]; BESIDE];
+    for i in 0..BLOCK {
+        for place in 0..BESIDE {
+            let (by, slices) = (place as i32 % 3 - 1, place / 3);
+            let there = (rays[i] + by >= first[slices][i]) & (rays[i] + by < end[slices][i]);
+            bits[place][i] = if there { 1_u32 << i } else { 0 };
+        }
+    }
+    for (out, bits) in out.iter_mut().zip(&bits) {
+        *out = bits.iter().fold(0, |word, bit| word | bit) as u16;
     }
 }
 
@@ -79,29 +99,81 @@ impl Geometry {
     }
 }
 
-impl Geometry {
-    /// One past the last depth at which a slot has the ray that it has at depth `k`.
-    pub fn ray_end(&self, plane: usize, slot: usize, k: usize) -> usize {
-        let depths = self.size[2];
-        if self.perspective.is_some() || self.slots == RaySlots::Padded {
-            return depths;
-        }
-        let end = |template: &Template, slot: usize, n: usize| {
-            let column = template.columns[k] as usize;
-            let mut turn = n - slot;
-            while column >= turn {
-                turn += n;
+/// The rays of every slot of a frame, each with the depths at which the slot has it: [`Geometry::ray_in_slot`] in stretches.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RayStretches {
+    u: Stretches,
+    v: Stretches,
+}
+
+/// The rays of every slot along an axis.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Stretches {
+    /// Rays, each with one past its last depth, those of a slot behind one another.
+    rays: Vec<(i64, usize)>,
+    /// Where those of each slot begin, and one past the last.
+    starts: Vec<usize>,
+}
+
+impl Stretches {
+    fn new(geometry: &Geometry, axis: usize) -> Stretches {
+        let depths = geometry.size[2];
+        let (mut rays, mut starts, mut by_depth) = (Vec::new(), vec![0], Vec::new());
+        for slot in 0..geometry.slot_counts()[axis] {
+            if geometry.perspective.is_some() {
+                let DiscreteRay { u, v } = geometry.ray_in_slot(slot, slot, 0);
+                rays.push(([u, v][axis], depths));
+            } else {
+                geometry.rays_along(axis, slot, &mut by_depth);
+                for same in by_depth.chunk_by(i32::eq) {
+                    let begin = if rays.len() == starts[slot] { 0 } else { rays[rays.len() - 1].1 };
+                    rays.push((i64::from(same[0]), begin + same.len()));
+                }
             }
-            template.first_depth(turn as i64)
-        };
-        depths.min(end(&self.u, slot, self.size[0])).min(end(&self.v, plane, self.size[1]))
+            starts.push(rays.len());
+        }
+        Stretches { rays, starts }
+    }
+
+    #[inline]
+    fn of(&self, slot: usize) -> &[(i64, usize)] {
+        &self.rays[self.starts[slot]..self.starts[slot + 1]]
+    }
+}
+
+impl RayStretches {
+    /// The stretches of a geometry.
+    pub fn new(geometry: &Geometry) -> RayStretches {
+        RayStretches { u: Stretches::new(geometry, 0), v: Stretches::new(geometry, 1) }
+    }
+
+    /// The rays of a slot in order of depth, each with its depths.
+    #[inline]
+    pub fn of(&self, plane: usize, slot: usize) -> impl Iterator<Item = (DiscreteRay, Range<usize>)> {
+        let (mut u, mut v) = (self.u.of(slot), self.v.of(plane));
+        let mut depth = 0;
+        std::iter::from_fn(move || {
+            let ([(ray_u, end_u), behind_u @ ..], [(ray_v, end_v), behind_v @ ..]) = (u, v) else {
+                return None;
+            };
+            let end = *end_u.min(end_v);
+            if *end_u == end {
+                u = behind_u;
+            }
+            if *end_v == end {
+                v = behind_v;
+            }
+            let depths = depth..end;
+            depth = end;
+            Some((DiscreteRay { u: *ray_u, v: *ray_v }, depths))
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Axes, DiscreteRay, TemplateRule, largest_offset, slope_register};
+    use crate::{Axes, TemplateRule, largest_offset, slope_register};
     use proptest::prelude::*;
 
     proptest! {
@@ -117,23 +189,27 @@ mod tests {
             let axes = Axes { axis: [0, 1, 2], reversed: [false; 3] };
             let geometry = Geometry::new(size, axes, slopes, offset, 8, rule, slots);
             let bounds = SampleBounds::new(&geometry).unwrap();
+            let stretches = RayStretches::new(&geometry);
             let [slots, planes] = geometry.slot_counts();
             for (plane, slot) in (0..planes).flat_map(|plane| (0..slots).map(move |slot| (plane, slot))) {
                 let (mut us, mut vs) = (Vec::new(), Vec::new());
                 geometry.rays_along(0, slot, &mut us);
                 geometry.rays_along(1, plane, &mut vs);
                 let words = size[2].div_ceil(BLOCK);
-                let [mut in_u, mut in_v] = [(); 2].map(|()| vec![0; BESIDE * words]);
+                let [mut in_u, mut in_v] = [(); 2].map(|()| vec![[0; BESIDE]; words]);
                 bounds.bits(0, &us, &mut in_u);
                 bounds.bits(1, &vs, &mut in_v);
-                let inside = |bits: &[u16], axis: usize, k: usize| {
+                let inside = |bits: &[[u16; BESIDE]], axis: usize, k: usize| {
                     let place = (3 * (by[2] + 1) + by[axis] + 1) as usize;
-                    bits[place * words + k / BLOCK] >> (k % BLOCK) & 1 != 0
+                    bits[k / BLOCK][place] >> (k % BLOCK) & 1 != 0
                 };
+                let rays: Vec<_> = stretches.of(plane, slot).collect();
+                let all: Vec<DiscreteRay> = rays.iter().flat_map(|(ray, depths)| depths.clone().map(|_| *ray)).collect();
+                let expected: Vec<DiscreteRay> = (0..size[2]).map(|k| geometry.ray_in_slot(plane, slot, k)).collect();
+                prop_assert_eq!(all, expected);
+                prop_assert!(rays.iter().zip(&rays[1..]).all(|((ray, depths), (next, behind))| ray != next && depths.end == behind.start));
                 for k in 0..size[2] {
                     let ray = geometry.ray_in_slot(plane, slot, k);
-                    let same = (k..size[2]).take_while(|&k| geometry.ray_in_slot(plane, slot, k) == ray).count();
-                    prop_assert_eq!(geometry.ray_end(plane, slot, k), k + same);
                     prop_assert_eq!([i64::from(us[k]), i64::from(vs[k])], [ray.u, ray.v]);
                     let beside = DiscreteRay { u: ray.u + by[0], v: ray.v + by[1] };
                     let expected = geometry.has_sample(beside, k as i64 + by[2]);

@@ -166,28 +166,25 @@ impl TrilinLanes {
         }
     }
 
-    /// The lerp along u of the plane below, of the ray on the left and the one on the right, into `below`, and the samples between the
-    /// current plane and it. `weights` are those along u and along v; all have whole blocks.
+    /// The samples between the lerp along u of the current plane, which `side` has, and that of the plane below, of the ray on the left and the
+    /// one on the right, which it gets instead. `weights` are those along u and along v; all have whole blocks.
     pub fn samples_below(
         &self,
         [left, right]: [&[i32]; 2],
-        current: &[i32],
+        side: &mut [i32],
         weights: [&[u32]; 2],
-        below: &mut [i32],
         out: &mut [SampleBlock],
     ) {
         let lerp = self.lerp;
         let [along_u, along_v] = weights.map(|weights| weights.as_chunks().0);
-        let inputs = left.as_chunks().0.iter().zip(right.as_chunks().0).zip(current.as_chunks().0);
-        let outputs = below.as_chunks_mut().0.iter_mut().zip(out);
-        for ((((left, right), current), (along_u, along_v)), (below, out)) in
-            inputs.zip(along_u.iter().zip(along_v)).zip(outputs)
-        {
+        let inputs = left.as_chunks().0.iter().zip(right.as_chunks().0).zip(along_u.iter().zip(along_v));
+        for (((left, right), (along_u, along_v)), (side, out)) in inputs.zip(side.as_chunks_mut().0.iter_mut().zip(out)) {
             vectorised(
                 #[inline(always)]
                 || {
-                    lerp.block(left, right, along_u, below);
-                    present(lerp, current, below, along_v, out);
+                    let current = *side;
+                    lerp.block(left, right, along_u, side);
+                    present(lerp, &current, side, along_v, out);
                 },
             );
         }
@@ -285,9 +282,9 @@ mod tests {
             let block = |present| SampleBlock { present, ..SampleBlock::default() };
             let mut masked: Vec<SampleBlock> = seed[..room / BLOCK].iter().map(|&bits| block(bits)).collect();
             lanes.samples(&sides[0], &sides[1], &weights_v, &mut masked);
-            let (mut below, mut same) = (vec![0; room], masked.clone());
+            let (mut below, mut same) = (sides[0].clone(), masked.clone());
             let edges = [edges[1][0].as_slice(), &edges[1][1]];
-            lanes.samples_below(edges, &sides[0], [&weights_u, &weights_v], &mut below, &mut same);
+            lanes.samples_below(edges, &mut below, [&weights_u, &weights_v], &mut same);
             prop_assert_eq!(&below, &sides[1]);
             prop_assert_eq!(&same, &masked);
             for k in 0..room {

@@ -8,7 +8,7 @@
 
 use crate::lanes::TrilinLanes;
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
-use cube3_dsb::{RayPair, RayVoxels, into_depths};
+use cube3_dsb::{RayPair, RayVoxels};
 use cube3_host::{BESIDE, FrameSetup, Geometry, MachineSpec, Perspective, Reuse, SampleBounds};
 use cube3_word::{BLOCK, Block};
 use serde::{Deserialize, Serialize};
@@ -157,7 +157,7 @@ struct Bounds {
     plane: Option<usize>,
     rays: Vec<i32>,
     /// Places beside the rays too, of which the middle one counts.
-    beside: Vec<u16>,
+    beside: Vec<[u16; BESIDE]>,
 }
 
 impl Bounds {
@@ -171,11 +171,11 @@ impl Bounds {
             along_v: vec![0; words],
             plane: None,
             rays: Vec::new(),
-            beside: vec![0; BESIDE * words],
+            beside: vec![[0; BESIDE]; words],
         };
         for slot in 0..slots {
             new.aim(geometry, 0, slot);
-            new.along_u[slot * words..][..words].copy_from_slice(&new.beside[BESIDE / 2 * words..][..words]);
+            copy_middle(&new.beside, &mut new.along_u[slot * words..]);
         }
         Some(new)
     }
@@ -189,11 +189,15 @@ impl Bounds {
     fn aim_plane(&mut self, geometry: &Geometry, plane: usize) {
         if self.plane != Some(plane) {
             self.aim(geometry, 1, plane);
-            let words = self.along_v.len();
-            self.along_v.copy_from_slice(&self.beside[BESIDE / 2 * words..][..words]);
+            copy_middle(&self.beside, &mut self.along_v);
             self.plane = Some(plane);
         }
     }
+}
+
+/// The bits of the rays themselves.
+fn copy_middle(beside: &[[u16; BESIDE]], out: &mut [u16]) {
+    out.iter_mut().zip(beside).for_each(|(out, beside)| *out = beside[BESIDE / 2]);
 }
 
 /// Rows of a slot, filled up to whole blocks.
@@ -304,14 +308,14 @@ impl Interpolate for Interpolator {
             }
             let (held, words) = (&mut self.newest[i], &mut self.rows.words);
             if keeps_rays && !doubled {
-                into_depths(ray, self.lanes, slot, &mut words[..depths]);
+                words[..depths].copy_from_slice(&ray[..depths]);
                 self.arithmetic.edges_of_voxels(words, setup.geometry.offset, &mut held.edges);
                 self.lerps += 1;
                 continue;
             }
             let rays = ray.chunks(depths.div_ceil(self.lanes) * self.lanes);
             for (ray, voxels) in rays.zip(held.voxels.chunks_mut(self.row + BLOCK)) {
-                into_depths(ray, self.lanes, slot, &mut words[..depths]);
+                words[..depths].copy_from_slice(&ray[..depths]);
                 self.arithmetic.lift_ray(words, voxels);
             }
         }
@@ -347,19 +351,18 @@ impl Interpolate for Interpolator {
             let [current, below] = &self.rows.lerped;
             self.arithmetic.samples(current, below, &self.weights[1], &mut output.0);
         } else {
-            if keeps_planes && plane > 0 {
-                std::mem::swap(&mut self.rows.lerped[0], &mut self.sides[slot]);
-            } else {
+            if !keeps_planes || plane == 0 {
                 self.side(geometry.offset);
+                if keeps_planes {
+                    std::mem::swap(&mut self.sides[slot], &mut self.rows.lerped[0]);
+                }
             }
             self.edges(geometry.offset, 1);
-            let Interpolator { arithmetic, before, newest, weights, rows, .. } = self;
-            let Rows { edges, lerped: [current, below], .. } = rows;
+            let Interpolator { arithmetic, before, newest, weights, rows, sides, .. } = self;
+            let Rows { edges, lerped, .. } = rows;
             let edges = edges_of_plane(self.reuse, [before, newest], edges, 1);
-            arithmetic.samples_below(edges, current, [&weights[0], &weights[1]], below, &mut output.0);
-        }
-        if keeps_planes {
-            std::mem::swap(&mut self.sides[slot], &mut self.rows.lerped[1]);
+            let side = if keeps_planes { &mut sides[slot] } else { &mut lerped[0] };
+            arithmetic.samples_below(edges, side, [&weights[0], &weights[1]], &mut output.0);
         }
     }
 }

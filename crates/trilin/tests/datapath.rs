@@ -2,7 +2,6 @@
 //! and the lerps are the multipliers that the level of reuse promises.
 
 use cube3_channel::Channel;
-use cube3_dsb::golden::ray_lane;
 use cube3_dsb::{RayPair, RayVoxels};
 use cube3_host::{
     DiscreteRay, FrameSetup, Geometry, MachineSpec, RaySlots, Rays, Reuse, TemplateRule, Trilin, VolumeInfo,
@@ -44,7 +43,7 @@ fn voxel_of(geometry: &Geometry, ray: DiscreteRay, k: usize, voxel: &impl Fn([us
     }
 }
 
-/// A slot of a plane in lane order, as the skewed buffers give it; a plane beyond the last is the first where slots
+/// A slot of a plane in order of depth, as the skewed buffers give it; a plane beyond the last is the first where slots
 /// are shared, and nothing where they are not.
 fn ray(setup: &FrameSetup, lanes: usize, plane: usize, slot: usize, voxel: &impl Fn([usize; 3]) -> u16) -> Vec<u16> {
     let geometry = &setup.geometry;
@@ -54,7 +53,7 @@ fn ray(setup: &FrameSetup, lanes: usize, plane: usize, slot: usize, voxel: &impl
     if plane < planes {
         for k in 0..geometry.size[2] {
             let owner = geometry.ray_in_slot(plane, slot, k);
-            words[ray_lane(lanes, slot, k)] = voxel_of(geometry, owner, k, voxel);
+            words[k] = voxel_of(geometry, owner, k, voxel);
         }
     }
     words

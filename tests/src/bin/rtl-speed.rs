@@ -1,6 +1,8 @@
 //! The pipeline in SystemVerilog, compiled by Verilator for speed, and `Machine::cycle` on the same frame: cycles a second of each.
 //!
-//! `cargo run --release -p cube3-tests --bin rtl-speed [SIDE [SECONDS]]`, 16 voxels a side and 5 seconds each where they are not given. Seconds are those of the processor.
+//! `cargo run --release -p cube3-tests --bin rtl-speed [SIDE [SECONDS]]`, 16 voxels a side and half a second each in every round where they are
+//! not given. Seconds are those of the processor. The two run in turns: what else the computer does slows now one and now the other, so the
+//! best round of each is what is compared; the ratios of the rounds show how far that may be trusted.
 
 use cube3::fidelity::Cycle;
 use cube3::inputs;
@@ -14,12 +16,15 @@ use std::path::Path;
 use std::time::Duration;
 
 /// Frames of our simulator between two looks at the clock.
-const BATCH: u64 = 1000;
+const BATCH: u64 = 200;
+
+/// Turns of the two.
+const ROUNDS: usize = 9;
 
 fn main() {
-    let arguments: Vec<usize> = std::env::args().skip(1).filter_map(|text| text.parse().ok()).collect();
-    let n = arguments.first().copied().unwrap_or(16);
-    let time = Duration::from_secs(arguments.get(1).copied().unwrap_or(5) as u64);
+    let arguments: Vec<f64> = std::env::args().skip(1).filter_map(|text| text.parse().ok()).collect();
+    let n = arguments.first().map_or(16, |side| *side as usize);
+    let time = Duration::from_secs_f64(arguments.get(1).map_or(0.5, |seconds| seconds.clamp(0.1, 1e3)));
     if !Simulator::Verilator.is_there() {
         return;
     }
@@ -34,17 +39,30 @@ fn main() {
     let folder = std::env::temp_dir().join(format!("cube3-rtl-speed-{}", std::process::id()));
     frame.write(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
     let design = Design::compile(Simulator::Verilator, &frame.parameters, Effort::Fast, &folder.join("design"));
-    let (rtl, rtl_rate) = time_rtl(&design, &folder, time);
     let build = || -> Machine<Cycle> {
         Machine::cycle(&machine, vec![setup.clone()], [n; 3], words).unwrap_or_else(|error| panic!("{error}"))
     };
-    let ours = time_ours(build, time);
-    let difference = rtl.difference(&OurRun::new(build()), &setup);
-    assert_eq!(difference, None);
+    let rtl = design.run(&folder, 2);
+    assert_eq!(rtl.difference(&OurRun::new(build()), &setup), None);
     println!("{n} voxels a side, {} cycles a frame; bits, cycles and counters are equal", rtl.cycles);
-    println!("Verilator:             {rtl_rate:>12.0} cycles/s");
-    println!("cube3, run alone:      {:>12.0} cycles/s, {:.1} times as fast", ours[0], ours[0] / rtl_rate);
-    println!("cube3, with its set-up:{:>12.0} cycles/s, {:.1} times as fast", ours[1], ours[1] / rtl_rate);
+    let repeat = frames_in(&design, &folder, time);
+    let mut rounds = Vec::new();
+    for _ in 0..ROUNDS {
+        let [alone, whole] = time_ours(build, time);
+        rounds.push([time_rtl(&design, &folder, repeat), alone, whole]);
+    }
+    let best = [0, 1, 2].map(|which| rounds.iter().map(|round| round[which]).fold(0.0, f64::max));
+    let mut ratios: Vec<f64> = rounds.iter().map(|[rtl, alone, _]| alone / rtl).collect();
+    ratios.sort_by(f64::total_cmp);
+    println!("Verilator:              {:>12.0} cycles/s", best[0]);
+    println!("cube3, run alone:       {:>12.0} cycles/s, {:.1} times as fast", best[1], best[1] / best[0]);
+    println!("cube3, with its set-up: {:>12.0} cycles/s, {:.1} times as fast", best[2], best[2] / best[0]);
+    println!(
+        "best of {ROUNDS} rounds; in one round run alone {:.1} to {:.1} times as fast, half of them {:.1} at least",
+        ratios[0],
+        ratios[ROUNDS - 1],
+        ratios[ROUNDS / 2]
+    );
     let _ = std::fs::remove_dir_all(&folder);
 }
 
@@ -56,25 +74,30 @@ fn processor_time() -> Duration {
     Duration::from_millis(10 * fields.filter_map(|field| field.parse::<u64>().ok()).sum::<u64>())
 }
 
-/// The frame so often that it takes so long: what the last run wrote, and cycles a second without the start of the process.
-fn time_rtl(design: &Design, folder: &Path, time: Duration) -> (RtlRun, f64) {
-    let timed = |repeat: u64| {
-        let start = processor_time();
-        let run = design.run(folder, repeat);
-        (run, processor_time() - start)
-    };
-    let (_, start) = timed(1);
+/// How often Verilator's design renders the frame in so long.
+fn frames_in(design: &Design, folder: &Path, time: Duration) -> u64 {
     let mut repeat = 100;
     loop {
-        let (run, elapsed) = timed(repeat);
-        let running = elapsed.saturating_sub(start);
-        if running >= time {
-            let rate = (run.cycles * (repeat - 1)) as f64 / running.as_secs_f64();
-            return (run, rate);
+        let start = processor_time();
+        design.run(folder, repeat);
+        let running = (processor_time() - start).as_secs_f64();
+        if running >= time.as_secs_f64() {
+            return repeat;
         }
-        let wanted = time.as_secs_f64() * 1.2 / running.as_secs_f64().max(1e-3) * repeat as f64;
-        repeat = (wanted as u64).max(repeat + 1);
+        repeat = (time.as_secs_f64() * 1.2 / running.max(1e-3) * repeat as f64) as u64 + 1;
     }
+}
+
+/// Cycles a second of Verilator's design, without the start of its process.
+fn time_rtl(design: &Design, folder: &Path, repeat: u64) -> f64 {
+    let timed = |repeat: u64| {
+        let start = processor_time();
+        let run: RtlRun = design.run(folder, repeat);
+        (run.cycles, processor_time() - start)
+    };
+    let (_, start) = timed(1);
+    let (cycles, all) = timed(repeat);
+    (cycles * (repeat - 1)) as f64 / all.saturating_sub(start).as_secs_f64()
 }
 
 /// Cycles a second of our simulator: of its runs alone, and with the building of each machine.
