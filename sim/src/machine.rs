@@ -325,8 +325,14 @@ impl<F: Fidelity> Machine<F> {
         let mut trilin = Vec::new();
         let mut abc = Vec::new();
         let mut host = Vec::new();
+        let mut samples = channel(samples, sizes.samples)?;
+        let mut shaded = channel(shaded, sizes.shaded)?;
         for setup in &frames {
             let parts = parts(setup);
+            if dsb.is_empty() {
+                samples.furnish(|| SampleRay { data: parts.trilin.blank(), ..SampleRay::default() });
+                shaded.furnish(|| ShadedRay { data: parts.abc.blank(), ..ShadedRay::default() });
+            }
             dsb.push((DsbSpec::new(machine, &setup.geometry), parts.dsb));
             trilin.push((TrilinSpec::new(machine, &setup.geometry), parts.trilin));
             abc.push((AbcSpec::new(machine, setup), parts.abc));
@@ -346,8 +352,8 @@ impl<F: Fidelity> Machine<F> {
             beams: channel(beams, sizes.beams)?,
             aligned: channel(aligned, sizes.aligned)?,
             rays: channel(rays, sizes.rays)?,
-            samples: channel(samples, sizes.samples)?,
-            shaded: channel(shaded, sizes.shaded)?,
+            samples,
+            shaded,
             pixels: channel(pixels, sizes.pixels)?,
             cycle: 0,
             last_move: 0,

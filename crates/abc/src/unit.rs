@@ -57,6 +57,9 @@ pub trait Shade: Archived {
     /// What rays of coloured samples carry.
     type Output: Payload;
 
+    /// An empty ray with memory for the coloured samples of one.
+    fn blank(&self) -> Self::Output;
+
     /// Takes the next ray of a plane.
     fn take(&mut self, setup: &FrameSetup, ray: &mut SampleRay<Self::Input>);
 
@@ -71,6 +74,8 @@ pub struct NoShading;
 impl Shade for NoShading {
     type Input = ();
     type Output = ();
+
+    fn blank(&self) {}
 
     #[inline(always)]
     fn take(&mut self, _: &FrameSetup, _: &mut SampleRay<()>) {}
@@ -258,6 +263,10 @@ impl Shade for Shader {
     type Input = RaySamples;
     type Output = ShadedSamples;
 
+    fn blank(&self) -> ShadedSamples {
+        ShadedSamples(vec![ShadedBlock::default(); self.row / BLOCK - 1])
+    }
+
     fn take(&mut self, _: &FrameSetup, ray: &mut SampleRay<RaySamples>) {
         let (plane, slot) = (ray.plane as usize, ray.slot as usize);
         let row = slot * self.row..(slot + 1) * self.row;
@@ -275,7 +284,9 @@ impl Shade for Shader {
     }
 
     fn give(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut ShadedSamples) {
-        output.0.resize(self.row / BLOCK - 1, ShadedBlock::default());
+        if output.0.len() != self.row / BLOCK - 1 {
+            *output = self.blank();
+        }
         if self.parallel.is_some() {
             self.shade_parallel(setup, plane, slot, output);
         } else {

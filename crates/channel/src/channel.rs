@@ -11,9 +11,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug)]
 pub struct Channel<T> {
     name: &'static str,
-    slots: Box<[T]>,
-    ready: Box<[u64]>,
-    mask: usize,
+    slots: Box<[Slot<T>]>,
     head: usize,
     len: usize,
     capacity: usize,
@@ -22,6 +20,14 @@ pub struct Channel<T> {
     pushed: bool,
     popped: bool,
     counters: ChannelCounters,
+}
+
+/// The place of a token.
+#[derive(Clone, Debug)]
+struct Slot<T> {
+    /// The first cycle in which it can be popped.
+    ready: u64,
+    token: T,
 }
 
 /// What a channel has counted. `pushes = pops + occupancy` at all times.
@@ -69,9 +75,7 @@ impl<T: Default> Channel<T> {
         let ring = capacity.next_power_of_two();
         Ok(Channel {
             name,
-            slots: (0..ring).map(|_| T::default()).collect(),
-            ready: vec![0; ring].into(),
-            mask: ring - 1,
+            slots: (0..ring).map(|_| Slot { ready: 0, token: T::default() }).collect(),
             head: 0,
             len: 0,
             capacity,
@@ -91,6 +95,20 @@ impl<T: Default> Channel<T> {
 }
 
 impl<T> Channel<T> {
+    /// Puts a token into every place that has none, so that its memory is there before the first is pushed.
+    pub fn furnish(&mut self, mut token: impl FnMut() -> T) {
+        for behind in self.len..self.slots.len() {
+            let place = self.place(behind);
+            self.slots[place].token = token();
+        }
+    }
+
+    /// The place that is so many behind the head: the ring has a power of two of them.
+    #[inline]
+    fn place(&self, behind: usize) -> usize {
+        (self.head + behind) & (self.slots.len() - 1)
+    }
+
     /// Whether a token can be pushed in this cycle: a credit is there and nothing has been pushed yet.
     #[inline]
     pub fn can_push(&self) -> bool {
@@ -127,17 +145,21 @@ impl<T> Channel<T> {
         }
         self.pushed = true;
         self.counters.pushes += 1;
-        let place = (self.head + self.len) & self.mask;
+        let place = self.place(self.len);
         self.len += 1;
-        self.ready[place] = self.now + self.latency + extra;
-        Some(&mut self.slots[place])
+        let slot = &mut self.slots[place];
+        slot.ready = self.now + self.latency + extra;
+        Some(&mut slot.token)
     }
 
     /// The oldest token, where it has arrived and none has been popped in this cycle.
     #[inline]
     pub fn front(&self) -> Option<&T> {
-        let arrived = self.len > 0 && !self.popped && self.ready[self.head] <= self.now;
-        arrived.then(|| &self.slots[self.head])
+        if self.len == 0 || self.popped {
+            return None;
+        }
+        let slot = &self.slots[self.head];
+        (slot.ready <= self.now).then_some(&slot.token)
     }
 
     /// Pops the oldest token in place; its memory stays with the channel and may be swapped out.
@@ -147,9 +169,9 @@ impl<T> Channel<T> {
         self.popped = true;
         self.counters.pops += 1;
         let place = self.head;
-        self.head = (self.head + 1) & self.mask;
+        self.head = self.place(1);
         self.len -= 1;
-        Some(&mut self.slots[place])
+        Some(&mut self.slots[place].token)
     }
 
     /// Ends the cycle: what was pushed is on its way, and the credit of what was popped is back.
@@ -166,19 +188,21 @@ impl<T> Channel<T> {
     /// Whether a token was on its way in the cycle that the last commit ended, so that time alone will change, or has just
     /// changed, what can be popped.
     pub fn in_flight(&self) -> bool {
-        (0..self.len).any(|i| self.ready[(self.head + i) & self.mask] >= self.now)
+        (0..self.len).any(|i| self.slots[self.place(i)].ready >= self.now)
     }
 
     /// The token that was pushed last, while it is held.
     #[inline]
     pub fn newest(&self) -> Option<&T> {
-        (self.len > 0).then(|| &self.slots[(self.head + self.len - 1) & self.mask])
+        (self.len > 0).then(|| &self.slots[self.place(self.len - 1)].token)
     }
 
     /// The tokens held, oldest first, each with the cycles until it can be popped.
     pub fn held(&self) -> impl Iterator<Item = (&T, u64)> {
-        let place = |i: usize| (self.head + i) & self.mask;
-        (0..self.len).map(move |i| (&self.slots[place(i)], self.ready[place(i)].saturating_sub(self.now)))
+        (0..self.len).map(|i| {
+            let Slot { ready, token } = &self.slots[self.place(i)];
+            (token, ready.saturating_sub(self.now))
+        })
     }
 
     /// Tokens held, those on their way included.
@@ -210,8 +234,7 @@ impl<T> Channel<T> {
 /// Tokens held are archived, and not the memory of those that have left. Between two cycles only: nothing pushed or popped.
 impl<T: Payload> Archived for Channel<T> {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let Channel { name, slots, ready, mask, head, len, capacity, latency: _, now, pushed: _, popped: _, counters } =
-            self;
+        let Channel { name, slots, head, len, capacity, latency: _, now, pushed: _, popped: _, counters } = self;
         archive.item(now)?;
         archive.item(counters)?;
         archive.item(len)?;
@@ -219,9 +242,9 @@ impl<T: Payload> Archived for Channel<T> {
             return Err(ArchiveError::Tokens { name, found: *len, capacity: *capacity });
         }
         for i in 0..*len {
-            let place = (*head + i) & *mask;
-            archive.item(&mut ready[place])?;
-            archive.item(&mut slots[place])?;
+            let place = (*head + i) & (slots.len() - 1);
+            archive.item(&mut slots[place].ready)?;
+            archive.item(&mut slots[place].token)?;
         }
         Ok(())
     }

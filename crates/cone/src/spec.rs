@@ -67,6 +67,7 @@ impl ConeSpec {
 
     /// What the chunks behind the first add: in a chain each goes through all nodes behind the one before it, and other rays
     /// between them.
+    #[inline]
     fn turns_latency(&self) -> u64 {
         match self.kind {
             ConeKind::Chain => (self.chunks - 1) * (self.lanes as u64 - 1),
@@ -96,6 +97,7 @@ impl ConeSpec {
     }
 
     /// Links that a pixel's nodes cross one after another, for a ray of one chunk; and more for each further chunk.
+    #[inline]
     fn hops(&self) -> [u64; 2] {
         let boards = self.boards as u64;
         match self.kind {
@@ -134,6 +136,7 @@ impl ConeSpec {
     }
 
     /// Cycles that a ray of several chunks takes longer from the leaves to the pixel than the channel of [`ConeSpec::pixels`].
+    #[inline]
     pub fn extra_latency(&self) -> u64 {
         let [_, further] = self.hops();
         self.turns_latency() + (self.chunks - 1) * further * self.link_latency

@@ -136,27 +136,26 @@ fn put([lanes, slots, depths, copies]: [usize; 4], depth: usize, mut beams: &[u1
         let (mut first, all) = (copy * slots, (copy + 1) * slots);
         while first < all {
             let end = all.min(first + lanes);
-            let rays = &mut rays[first * depths..end * depths];
-            let (beam, behind) = beams.split_at(lanes);
             // Each ray has its word a lane behind that of the one before; the one behind the last lane is in the first.
-            spread(&beam[start..], &mut rays[depth..], depths);
-            if let Some(rays) = rays.get_mut((lanes - start) * depths + depth..) {
-                spread(&beam[..start], rays, depths);
-            }
+            let turn = end.min(first + lanes - start);
+            let (beam, behind) = beams.split_at(lanes);
+            spread(&beam[start..], depth, depths, &mut rays[first * depths..turn * depths]);
+            spread(&beam[..start], depth, depths, &mut rays[turn * depths..end * depths]);
             (first, beams) = (end, behind);
         }
     }
 }
 
-/// Writes words `stride` apart, as many as there is room for.
+/// Writes a word at a depth of each ray.
 #[inline]
-fn spread(words: &[u16], out: &mut [u16], stride: usize) {
-    let mut at = 0;
+fn spread(words: &[u16], depth: usize, depths: usize, rays: &mut [u16]) {
+    let mut at = depth;
     for word in words {
-        if let Some(out) = out.get_mut(at) {
-            *out = *word;
-        }
-        at += stride;
+        let Some(place) = rays.get_mut(at) else {
+            return;
+        };
+        *place = *word;
+        at += depths;
     }
 }
 

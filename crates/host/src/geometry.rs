@@ -125,16 +125,19 @@ impl Geometry {
     }
 
     /// X(n_w − 1): how far the discrete rays of a parallel frame move along u. Rays start at minus this.
+    #[inline]
     pub fn shear_u(&self) -> usize {
         self.u.columns.get(self.size[2] - 1).map_or(0, |&x| x as usize)
     }
 
     /// Y(n_w − 1): how far the discrete rays of a parallel frame move along v.
+    #[inline]
     pub fn shear_v(&self) -> usize {
         self.v.columns.get(self.size[2] - 1).map_or(0, |&y| y as usize)
     }
 
     /// The ray of the base plane's first pixel: its numbers along u and v.
+    #[inline]
     pub fn first_ray(&self) -> DiscreteRay {
         match &self.perspective {
             None => DiscreteRay { u: -(self.shear_u() as i64), v: -(self.shear_v() as i64) },

@@ -53,7 +53,8 @@ impl SampleBounds {
                 #[inline(always)]
                 || {
                     let rays = block(rays, from);
-                    let bounds = |bounds: &[i32]| [0, 1, 2].map(|slices| block(bounds, from + slices));
+                    let bounds =
+                        |bounds: &[i32]| [block(bounds, from), block(bounds, from + 1), block(bounds, from + 2)];
                     inside(&rays, &bounds(first), &bounds(end), out);
                 },
             );
@@ -117,21 +118,29 @@ struct Stretches {
 
 impl Stretches {
     fn new(geometry: &Geometry, axis: usize) -> Stretches {
-        let depths = geometry.size[2];
-        let (mut rays, mut starts, mut by_depth) = (Vec::new(), vec![0], Vec::new());
-        for slot in 0..geometry.slot_counts()[axis] {
-            if geometry.perspective.is_some() {
+        let (template, side, depths) = ([&geometry.u, &geometry.v][axis], geometry.size[axis], geometry.size[2]);
+        let slots = geometry.slot_counts()[axis];
+        let (mut rays, mut starts) = (Vec::with_capacity(2 * slots), Vec::with_capacity(slots + 1));
+        for slot in 0..slots {
+            starts.push(rays.len());
+            if geometry.perspective.is_some() || geometry.slots == RaySlots::Padded {
                 let DiscreteRay { u, v } = geometry.ray_in_slot(slot, slot, 0);
                 rays.push(([u, v][axis], depths));
-            } else {
-                geometry.rays_along(axis, slot, &mut by_depth);
-                for same in by_depth.chunk_by(i32::eq) {
-                    let begin = if rays.len() == starts[slot] { 0 } else { rays[rays.len() - 1].1 };
-                    rays.push((i64::from(same[0]), begin + same.len()));
-                }
+                continue;
             }
-            starts.push(rays.len());
+            // The next ray begins where the column has gone once more around.
+            let columns = &template.columns[..depths];
+            let (mut ray, mut turn, mut end) = (slot as i64, side - slot, 0);
+            while end < depths {
+                while columns[end] as usize >= turn {
+                    turn += side;
+                    ray -= side as i64;
+                }
+                end = columns.partition_point(|&column| (column as usize) < turn);
+                rays.push((ray, end));
+            }
         }
+        starts.push(rays.len());
         Stretches { rays, starts }
     }
 

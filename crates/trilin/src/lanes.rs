@@ -176,9 +176,17 @@ impl TrilinLanes {
         out: &mut [SampleBlock],
     ) {
         let lerp = self.lerp;
-        let [along_u, along_v] = weights.map(|weights| weights.as_chunks().0);
-        let inputs = left.as_chunks().0.iter().zip(right.as_chunks().0).zip(along_u.iter().zip(along_v));
-        for (((left, right), (along_u, along_v)), (side, out)) in inputs.zip(side.as_chunks_mut().0.iter_mut().zip(out)) {
+        for (place, out) in out.iter_mut().enumerate() {
+            let from = place * BLOCK;
+            let (Some(left), Some(right), Some(along_u), Some(along_v), Some(side)) = (
+                left[from..].first_chunk(),
+                right[from..].first_chunk(),
+                weights[0][from..].first_chunk(),
+                weights[1][from..].first_chunk(),
+                side[from..].first_chunk_mut(),
+            ) else {
+                return;
+            };
             vectorised(
                 #[inline(always)]
                 || {

@@ -70,6 +70,9 @@ pub trait Interpolate: Archived {
     /// What rays of samples carry.
     type Output: Payload;
 
+    /// An empty ray with memory for the samples of one.
+    fn blank(&self) -> Self::Output;
+
     /// Takes the next pair of a plane.
     fn take(&mut self, setup: &FrameSetup, pair: &mut RayPair<Self::Input>);
 
@@ -84,6 +87,8 @@ pub struct NoSamples;
 impl Interpolate for NoSamples {
     type Input = ();
     type Output = ();
+
+    fn blank(&self) {}
 
     #[inline(always)]
     fn take(&mut self, _: &FrameSetup, _: &mut RayPair<()>) {}
@@ -294,6 +299,10 @@ impl Interpolate for Interpolator {
     type Input = RayVoxels;
     type Output = RaySamples;
 
+    fn blank(&self) -> RaySamples {
+        RaySamples(vec![SampleBlock::default(); self.row / BLOCK])
+    }
+
     fn take(&mut self, setup: &FrameSetup, pair: &mut RayPair<RayVoxels>) {
         let depths = setup.geometry.size[2];
         let doubled = setup.geometry.doubled();
@@ -342,7 +351,9 @@ impl Interpolate for Interpolator {
         if let Some(pass) = &geometry.perspective {
             self.aim(pass, plane, slot, geometry.size[2]);
         }
-        output.0.resize(self.row / BLOCK, SampleBlock::default());
+        if output.0.len() != self.row / BLOCK {
+            *output = self.blank();
+        }
         Self::inside(&mut self.bounds, geometry, plane, slot, &mut output.0);
         self.lerps += 1;
         if geometry.doubled() {

@@ -8,7 +8,17 @@ use crate::{Rounding, Shift};
 /// arithmetic is integer, so the result does not depend on the choice.
 #[inline(always)]
 pub fn vectorised<R>(work: impl FnOnce() -> R) -> R {
-    pulp::Arch::new().dispatch(work)
+    match pulp::Arch::new() {
+        pulp::Arch::Scalar => without_vectors(work),
+        arch => arch.dispatch(work),
+    }
+}
+
+/// Of its own, so that what is seldom run is not part of every caller.
+#[cold]
+#[inline(never)]
+fn without_vectors<R>(work: impl FnOnce() -> R) -> R {
+    work()
 }
 
 /// Lanes of a block: as many words of 32 bits as the widest vectors hold. Loops over the lanes of a block have no rest.
@@ -52,7 +62,7 @@ fn put_rest<T: Copy>(block: &Block<T>, row: &mut [T]) {
 /// A ring of lanes, turned by less than its length: what was in lane l is in `(l + by) mod n`. Both rows have n words.
 #[inline]
 pub fn turn<T: Copy>(from: &[T], by: usize, to: &mut [T]) {
-    #[inline]
+    #[inline(never)]
     fn fixed<T: Copy, const N: usize>(from: &[T], by: usize, to: &mut [T]) {
         if let (Ok(from), Ok(to)) = (<&[T; N]>::try_from(from), <&mut [T; N]>::try_from(to)) {
             to.copy_from_slice(&[*from; 2].as_flattened()[N - by..][..N]);
@@ -157,6 +167,18 @@ mod tests {
     use super::*;
     use crate::lerp;
     use proptest::prelude::*;
+
+    #[test]
+    fn a_ring_is_turned_by_any_number_of_lanes() {
+        for n in (1..20).chain([32, 33]) {
+            let from: Vec<u16> = (0..n as u16).collect();
+            for by in 0..n {
+                let mut to = vec![0; n];
+                turn(&from, by, &mut to);
+                assert!(from.iter().enumerate().all(|(lane, word)| to[(lane + by) % n] == *word), "{n} by {by}");
+            }
+        }
+    }
 
     proptest! {
         #[test]
