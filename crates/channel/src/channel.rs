@@ -342,6 +342,21 @@ mod tests {
     }
 
     #[test]
+    fn places_without_a_token_are_furnished() {
+        let mut channel = Channel::new("c", 3, 1).unwrap();
+        channel.push(vec![1]).unwrap();
+        channel.commit();
+        channel.furnish(|| vec![0; 7]);
+        assert_eq!(channel.front(), Some(&vec![1]), "a token that is held stays");
+        for _ in 0..3 {
+            assert_eq!(channel.push_slot().map(|slot| slot.len()), Some(7));
+            channel.commit();
+            channel.pop_slot();
+            channel.commit();
+        }
+    }
+
+    #[test]
     fn more_tokens_than_fit_are_refused() {
         let mut wide = Channel::new("wide", 3, 1).unwrap();
         for token in 0..3 {

@@ -287,6 +287,9 @@ mod tests {
             }
             let mut samples = vec![0; room];
             lanes.lerps(&sides[0], &sides[1], &weights_v, &mut samples);
+            let mut by_weights = vec![0; room];
+            lanes.row_by_weights(&sides[0], &sides[1], &weights_v, &mut by_weights);
+            prop_assert_eq!(&by_weights, &samples);
             let block = |present| SampleBlock { present, ..SampleBlock::default() };
             let mut masked: Vec<SampleBlock> = seed[..room / BLOCK].iter().map(|&bits| block(bits)).collect();
             lanes.samples(&sides[0], &sides[1], &weights_v, &mut masked);

@@ -169,6 +169,29 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
+    fn blocks_are_taken_from_rows_and_put_back() {
+        for n in 0..40 {
+            let row: Vec<u16> = (1..=n as u16).collect();
+            for from in 0..=n {
+                let taken = block(&row, from);
+                for (lane, word) in taken.iter().enumerate() {
+                    assert_eq!(*word, row.get(from + lane).copied().unwrap_or(0));
+                }
+                let mut put = vec![0; n];
+                put_block(&taken, &mut put, from);
+                for (place, word) in put.iter().enumerate() {
+                    let within = (from..from + BLOCK).contains(&place);
+                    assert_eq!(
+                        *word,
+                        if within { row[place] } else { 0 },
+                        "{n} words, {place} of the block from {from}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
     fn a_ring_is_turned_by_any_number_of_lanes() {
         for n in (1..20).chain([32, 33]) {
             let from: Vec<u16> = (0..n as u16).collect();
@@ -198,6 +221,11 @@ mod tests {
             for i in 0..out.len() {
                 prop_assert_eq!(out[i], lerp(near[i], far[i], weights[i], fraction_bits, rounding));
                 prop_assert_eq!(out[i], lanes.one(near[i], far[i], weights[i]));
+            }
+            for from in (0..out.len()).step_by(BLOCK) {
+                let mut lerped = [0; BLOCK];
+                lanes.block(&block(&near, from), &block(&far, from), &block(&weights, from), &mut lerped);
+                prop_assert_eq!(&lerped[..BLOCK.min(out.len() - from)], &out[from..out.len().min(from + BLOCK)]);
             }
             let weight = (part * one).round() as u32;
             vectorised(|| lanes.uniform(&near, &far, weight, &mut out));

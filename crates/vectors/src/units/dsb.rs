@@ -54,7 +54,8 @@ impl Unit for Dsb {
         places.to_vec()
     }
 
-    /// Two planes are written beam by beam and read ray by ray: in one a word is its place in the beam, in the other its depth.
+    /// Two planes are written beam by beam and read ray by ray, which come in order of depth: in one a word is its place in the beam, in the
+    /// other its depth. The place in the ray is in the depth's chunk, in the module that the word has in the beam.
     fn lanes(&self, format: &Format, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
         let lanes = format.lanes as usize;
         let side = CHUNKS * lanes;
@@ -73,9 +74,10 @@ impl Unit for Dsb {
                 store.read(plane, false, slot, ray);
             }
             // A depth that is nowhere in the ray has no place.
-            let ray_place = rays[1].iter().position(|&word| usize::from(word) == depth)?;
-            let beam_place = usize::from(rays[0][ray_place]);
-            Some([beam_place % lanes, beam_place, ray_place].map(|place| place as i128).to_vec())
+            let found = rays[1].iter().position(|&word| usize::from(word) == depth)?;
+            let beam_place = usize::from(rays[0][found]);
+            let module = beam_place % lanes;
+            Some([module, beam_place, found / lanes * lanes + module].map(|place| place as i128).to_vec())
         };
         Some(lines.iter().map(|line| answer(line).unwrap_or_else(|| vec![-1; 3])).collect())
     }
