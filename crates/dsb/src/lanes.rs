@@ -244,13 +244,13 @@ mod tests {
                 }
                 for j in 0..slots {
                     store.read(i, false, j, &mut ray);
-                    for k in 0..size[2] {
+                    for (k, read) in ray.iter().enumerate().take(size[2]) {
                         let owner = geometry.ray_in_slot(i, j, k);
                         let expected = match (geometry.column_at(owner.u, k), geometry.row_at(owner.v, k)) {
                             (Some(x), Some(y)) => word(x, y, k),
                             _ => 0,
                         };
-                        prop_assert_eq!(ray[k], expected);
+                        prop_assert_eq!(*read, expected);
                     }
                 }
             }

@@ -52,10 +52,10 @@ fn write_plane(geometry: &Geometry, lanes: usize, plane: usize, store: &mut Plan
 /// The voxels of a slot straight from the geometry: of the near side of its cells, `side` counting u and then v.
 fn expected(geometry: &Geometry, lanes: usize, plane: usize, slot: usize, side: usize) -> Vec<u16> {
     let mut ray = vec![0; geometry.size[2].div_ceil(lanes) * lanes];
-    for k in 0..geometry.size[2] {
+    for (k, word) in ray.iter_mut().enumerate().take(geometry.size[2]) {
         let owner = geometry.ray_in_slot(plane, slot, k);
         if let Some(xyz) = geometry.corner(owner, k, [0, side / 2, side % 2]) {
-            ray[k] = voxel(xyz);
+            *word = voxel(xyz);
         }
     }
     ray

@@ -67,10 +67,10 @@ impl SampleBounds {
 fn inside(rays: &Block<i32>, first: &[Block<i32>; 3], end: &[Block<i32>; 3], out: &mut [u16; BESIDE]) {
     let mut bits = [[0; BLOCK]; BESIDE];
     for i in 0..BLOCK {
-        for place in 0..BESIDE {
+        for (place, bits) in bits.iter_mut().enumerate() {
             let (by, slices) = (place as i32 % 3 - 1, place / 3);
             let there = (rays[i] + by >= first[slices][i]) & (rays[i] + by < end[slices][i]);
-            bits[place][i] = if there { 1_u32 << i } else { 0 };
+            bits[i] = if there { 1_u32 << i } else { 0 };
         }
     }
     for (out, bits) in out.iter_mut().zip(&bits) {

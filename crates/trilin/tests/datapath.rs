@@ -51,9 +51,9 @@ fn ray(setup: &FrameSetup, lanes: usize, plane: usize, slot: usize, voxel: &impl
     let mut words = vec![0; geometry.size[2].div_ceil(lanes) * lanes];
     let plane = if plane == planes && geometry.closes()[1] { 0 } else { plane };
     if plane < planes {
-        for k in 0..geometry.size[2] {
+        for (k, word) in words.iter_mut().enumerate().take(geometry.size[2]) {
             let owner = geometry.ray_in_slot(plane, slot, k);
-            words[k] = voxel_of(geometry, owner, k, voxel);
+            *word = voxel_of(geometry, owner, k, voxel);
         }
     }
     words
