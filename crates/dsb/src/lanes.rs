@@ -170,7 +170,7 @@ impl Archived for PlaneStore {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::golden::{module, rotation};
+    use crate::golden::{module, ray_lane, rotation};
     use cube3_host::{Axes, Geometry, RaySlots, TemplateRule, largest_offset, slope_register};
     use proptest::prelude::*;
 
@@ -183,6 +183,13 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn a_word_is_in_its_module_in_a_beam_and_in_a_ray(lanes in 1_usize..40, slot in 0_usize..100, depth in 0_usize..100) {
+            let module = module(lanes, slot, depth);
+            prop_assert_eq!(beam_lane(lanes, slot, depth), slot / lanes * lanes + module);
+            prop_assert_eq!(ray_lane(lanes, slot, depth), depth / lanes * lanes + module);
+        }
+
         #[test]
         fn beams_are_written_and_rays_read_without_conflict(lanes in 1_usize..20, fixed in 0_usize..100, chunk in 0_usize..4) {
             let start = chunk * lanes;
