@@ -214,7 +214,7 @@ module cube3_abc_unit #(
                         localparam integer FAR = U * U + V * V + W * W;
                         localparam [0:0] READS =
                             METHOD == 6 || METHOD == 61 ? FAR == 1 :
-                            METHOD == 10 ? FAR == 1 || (FAR == 2 && W != 0) :
+                            METHOD == 10 ? FAR == 1 || (FAR == 2 && (U + V) * W < 0) :
                             METHOD == 12 ? FAR == 1 || (W != 0 && U * W <= 0 && V * W <= 0) : 1'b1;
                         if (FAR != 0 && !READS) begin : unread
                             assign s[(w*9+v*3+u)*S+:S] = {S{1'b0}};

@@ -301,9 +301,19 @@ pub fn perspectives() -> impl Strategy<Value = Perspective> {
     })
 }
 
-/// A scene as an eye sees it, in a picture of a few pixels.
+/// A scene as an eye sees it, in a picture of a few pixels. An eye that looks past the volume, by more than 30 degrees from its
+/// middle, turns to a place in it or just beside it.
 pub fn from_eye(scene: &Scene, perspective: Perspective) -> Scene {
-    let view = View { perspective: Some(perspective), ..scene.view.clone() };
+    let direction = scene.view.direction.map(|direction| {
+        let Some(eye) = perspective.eye_voxel else { return direction };
+        let to = |place: [f64; 3]| [0, 1, 2].map(|i| place[i] - eye[i]);
+        let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| a[i] * b[i]).sum::<f64>();
+        let middle = to([3.0; 3]);
+        let past = dot(middle, direction) < 0.866 * (dot(middle, middle) * dot(direction, direction)).sqrt();
+        let turned = to(direction.map(|x| 3.0 + 3.5 * x));
+        if past && dot(turned, turned) > 1e-3 { turned } else { direction }
+    });
+    let view = View { direction, perspective: Some(perspective), ..scene.view.clone() };
     let image = Image { width_px: 13, height_px: 9, ..scene.image.clone() };
     Scene { view, image, ..scene.clone() }
 }

@@ -79,6 +79,19 @@ pub fn run(command: &mut Command) -> Result<String, String> {
 /// Values of a module's integer parameters; those not named have their defaults.
 pub type Parameters = Vec<(&'static str, i64)>;
 
+/// A command of Verilator that makes a program. Where ccache is installed, it compiles the simulator's own sources once for all.
+pub fn verilator_program(verilator: &Path) -> Command {
+    let mut command = Command::new(verilator);
+    command.args(["--binary", "--timing"]);
+    if find("ccache").is_some() {
+        command.env("OBJCACHE", "ccache");
+    }
+    command
+}
+
+/// Arguments of [`verilator_program`] for a program that is made sooner than it is run. Its makefile puts these after `-CFLAGS`.
+pub const MADE_SOON: [&str; 2] = ["-MAKEFLAGS", "OPT_FAST=-O0 OPT_SLOW=-O0 OPT_GLOBAL=-O0"];
+
 /// Checks a module and all below it with every warning of Verilator.
 ///
 /// # Errors

@@ -103,7 +103,10 @@ impl Design {
     ) -> Result<Design, String> {
         let bench = rtl::folder().join("tb/cube3_pipeline_tb.sv");
         std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-        let mut command = Command::new(simulator.commands()[0]);
+        let mut command = match simulator {
+            Simulator::Icarus => Command::new("iverilog"),
+            Simulator::Verilator => rtl::verilator_program(Path::new("verilator")),
+        };
         let program = match simulator {
             Simulator::Icarus => {
                 let program = folder.join("pipeline.vvp");
@@ -113,21 +116,10 @@ impl Design {
                 vec!["vvp".into(), "-n".into(), program.display().to_string()]
             }
             Simulator::Verilator => {
-                command.args([
-                    "--binary",
-                    "--timing",
-                    "--top-module",
-                    "cube3_pipeline_tb",
-                    "-j",
-                    "2",
-                    "-Wno-WIDTH",
-                    "-y",
-                ]);
+                command.args(["--top-module", "cube3_pipeline_tb", "-j", "2", "-Wno-WIDTH", "-y"]);
                 command.arg(modules).args(parameters.iter().map(|(name, value)| format!("-G{name}={value}")));
                 match effort {
-                    Effort::Quick => {
-                        command.args(["-CFLAGS", "-O0", "-MAKEFLAGS", "OPT_FAST=-O1 OPT_SLOW=-O0 OPT_GLOBAL=-O0"])
-                    }
+                    Effort::Quick => command.args(rtl::MADE_SOON),
                     Effort::Fast => command.args(FAST),
                 };
                 command.args(["-o", "pipeline", "--Mdir"]).arg(folder).arg(bench);

@@ -1,6 +1,6 @@
 //! Modules of `tests/rtl` against golden vectors, in Icarus Verilog and in Verilator, and modules that are broken on purpose.
 
-use crate::rtl::{folder, run};
+use crate::rtl::{MADE_SOON, folder, run, verilator_program};
 use cube3_vectors::{Format, Unit, Vectors, testbench};
 use serde::Deserialize;
 use std::path::Path;
@@ -56,10 +56,8 @@ impl Bench {
     /// # Errors
     /// What cannot be compiled or run.
     pub fn verilator(&self, verilator: &Path, modules: &Path) -> Result<usize, String> {
-        let mut compile = Command::new(verilator);
-        compile
-            .current_dir(self.folder.path())
-            .args(["--binary", "--timing", "-O3", "-CFLAGS", "-O0", "-Mdir", "made"]);
+        let mut compile = verilator_program(verilator);
+        compile.current_dir(self.folder.path()).args(MADE_SOON).args(["-Mdir", "made"]);
         compile.args(["-o", "sim", "--top-module", &self.name, "-y"]).arg(modules).arg(format!("{}.sv", self.name));
         run(&mut compile)?;
         let mut simulate = Command::new(self.folder.path().join("made/sim"));

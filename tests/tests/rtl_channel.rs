@@ -114,8 +114,9 @@ fn the_channel_in_verilator_is_the_models() {
         let built = folder.path().join(format!("{capacity}.{latency}"));
         let stimulus = folder.path().join("stimulus");
         write_stimulus(&stimulus, &cycles);
-        let mut compile = Command::new(&verilator);
-        compile.current_dir(rtl::folder()).args(["--binary", "-Wno-fatal", "-y", ".", "--top-module", "channel_tb"]);
+        let mut compile = rtl::verilator_program(&verilator);
+        compile.current_dir(rtl::folder()).args(rtl::MADE_SOON);
+        compile.args(["-Wno-fatal", "-y", ".", "--top-module", "channel_tb"]);
         for (name, value) in [("CAPACITY", capacity), ("LATENCY", latency as usize), ("CYCLES", cycles.len())] {
             compile.arg(format!("-G{name}={value}"));
         }

@@ -1,6 +1,6 @@
 //! The modules of `tests/rtl` give the bits of the golden vectors, in every format, in two simulators.
 
-use cube3_tests::rtl::{folder, require, run};
+use cube3_tests::rtl::{MADE_SOON, folder, require, run, verilator_program};
 use cube3_tests::rtl_vectors::Bench;
 use cube3_vectors::{Format, Unit, Vectors, testbench, units};
 use rayon::prelude::*;
@@ -87,31 +87,18 @@ fn a_bench_fails_where_nobody_else_compares_and_takes_its_own_vectors_only() {
     ];
     texts.iter().for_each(|(file, text)| std::fs::write(path.join(file), text).unwrap());
     let answers: String = right.outputs.iter().map(|outputs| format!("{:04x}\n", outputs[0])).collect();
-    let compile = |tool: &Path| {
-        let mut command = Command::new(tool);
+    let compile = |mut command: Command| {
         command.current_dir(path).arg("-y").arg(folder());
         command
     };
     if let (Some(iverilog), Some(vvp)) = (require("iverilog"), require("vvp")) {
         let arguments = ["-Y.sv", "-g2012", "-o", "sim.vvp", "-s", "cube3_lerp_tb", "bench.sv"];
-        run(compile(&iverilog).args(arguments)).unwrap();
+        run(compile(Command::new(&iverilog)).args(arguments)).unwrap();
         check_exit(&vvp, &["-n", "sim.vvp"], path, &answers);
     }
     if let Some(verilator) = require("verilator") {
-        let arguments = [
-            "--binary",
-            "--timing",
-            "-CFLAGS",
-            "-O0",
-            "--top-module",
-            "cube3_lerp_tb",
-            "-o",
-            "sim",
-            "-Mdir",
-            "made",
-            "bench.sv",
-        ];
-        run(compile(&verilator).args(arguments)).unwrap();
+        let arguments = ["--top-module", "cube3_lerp_tb", "-o", "sim", "-Mdir", "made", "bench.sv"];
+        run(compile(verilator_program(&verilator)).args(MADE_SOON).args(arguments)).unwrap();
         check_exit(&path.join("made/sim"), &[], path, &answers);
     }
 }

@@ -438,7 +438,10 @@ pub(crate) fn reads(method: GradientMethod, by: [i64; 3]) -> bool {
     match method {
         GradientMethod::Six | GradientMethod::SixSheared => distance == 1,
         GradientMethod::TwentySix | GradientMethod::TwentySixSheared => true,
-        GradientMethod::Ten | GradientMethod::TenNormalised => distance == 1 || (distance == 2 && by[2] != 0),
+        // The feet of the perpendiculars: behind towards lower rays and before towards higher ones.
+        GradientMethod::Ten | GradientMethod::TenNormalised => {
+            distance == 1 || (distance == 2 && (by[0] + by[1]) * by[2] < 0)
+        }
         // Behind on the side of the eye's lower slopes, before on the other.
         GradientMethod::Twelve => distance == 1 || (by[2] != 0 && by[0] * by[2] <= 0 && by[1] * by[2] <= 0),
     }
@@ -1035,4 +1038,64 @@ fn lerp<const WIDE: bool>(near: i32, far: i32, weight: i32, shift: Shift) -> i32
 #[inline(always)]
 fn mul<const WIDE: bool>(a: i32, b: i32, shift: Shift) -> i32 {
     if WIDE { shift.apply(i64::from(a) * i64::from(b)) as i32 } else { shift.apply32(a * b) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Whether a sample at a displacement changes a gradient.
+    fn changes(method: GradientMethod, by: [i64; 3]) -> bool {
+        let words = Words::default();
+        let full = 1 << words.weight_bits;
+        let word = |case: i32, place: i32| (case * 7919 + place * 10_429 + case * place * 631) % 20_011;
+        let [u, v, w] = by.map(|i| (i + 1) as usize);
+        (0..400).any(|case| {
+            let weights = [case % 5, case / 5 % 5].map(|quarters| quarters * full / 4);
+            let registers = GradientRegisters { method, weights, scale: None, border: 0 };
+            let mut s: golden::Neighbourhood =
+                [0, 1, 2].map(|w| [0, 1, 2].map(|v| [0, 1, 2].map(|u| word(case as i32, 9 * w + 3 * v + u))));
+            let before = golden::gradient(&s, &registers, &words);
+            s[w][v][u] += 20_000;
+            golden::gradient(&s, &registers, &words) != before
+        })
+    }
+
+    #[test]
+    fn the_neighbours_read_are_those_that_change_a_gradient() {
+        assert_eq!((neighbours(None, false), neighbours(None, true)), (Vec::new(), Vec::new()));
+        for (method, _) in GradientMethod::ALL {
+            let [one_way, any_way] = [false, true].map(|mirrored| neighbours(Some(method), mirrored));
+            let listed = |list: &[Neighbours], place: usize| list.as_flattened().iter().any(|read| read.place == place);
+            let mut farthest = 0;
+            for place in 0..27 {
+                let [w, v, u] = [place / 9, place / 3 % 3, place % 3].map(|i| i as i64 - 1);
+                let needed = |mirror: [i64; 2]| place != HERE && changes(method, [mirror[0] * u, mirror[1] * v, w]);
+                if place != HERE {
+                    assert_eq!(reads(method, [u, v, w]), needed([1, 1]), "{method:?} at {:?}", [u, v, w]);
+                }
+                if needed([1, 1]) {
+                    farthest = farthest.max((u + w).unsigned_abs() as usize);
+                }
+                assert_eq!(listed(&one_way, place), needed([1, 1]), "{method:?}, place {place}");
+                let either_way = [[1, 1], [1, -1], [-1, 1], [-1, -1]].into_iter().any(needed);
+                assert_eq!(listed(&any_way, place), either_way, "{method:?}, place {place}, rays either way");
+            }
+            assert_eq!(crate::reach(method), farthest, "{method:?}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_sample_of_a_block_comes_back(present: bool, sample: i32, opacity: u32, colour: [u32; 3], lane in 0..BLOCK) {
+            let shaded = golden::Shaded { present, sample, opacity, colour };
+            let mut block = ShadedBlock::default();
+            block.put(lane, &shaded);
+            for other in 0..BLOCK {
+                let expected = if other == lane { shaded } else { golden::Shaded::default() };
+                prop_assert_eq!(block.at(other), expected);
+            }
+        }
+    }
 }

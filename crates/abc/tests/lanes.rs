@@ -4,11 +4,12 @@
 mod registers;
 
 use cube3_abc::golden::{Neighbourhood, Shaded, shade};
-use cube3_abc::lanes::{AbcLanes, ShadedRow};
+use cube3_abc::lanes::{AbcLanes, Around, Neighbours, ShadedBlock, ShadedRow};
 use cube3_host::{FrameSetup, GradientMethod, GradientRegisters, Shading};
-use cube3_word::{Rounding, Words, unit_full, vectorised};
+use cube3_word::{BLOCK, Rounding, Words, unit_full, vectorised};
 use proptest::prelude::*;
 use registers::{Dice, bright, frame, hosted_frame, neighbourhood, normaliser};
+use std::cell::Cell;
 
 /// A row as it comes to the unit: neighbourhoods, rays and depths, and which lanes hold a sample of the volume.
 struct Row {
@@ -133,6 +134,37 @@ fn bright_lights_on_wide_colours() {
             let rows = [row(&mut dice, &setup, 40)];
             assert_golden(&setup, &rows);
         }
+    }
+}
+
+/// With `skip`, a block without any opacity is left before its neighbours are asked for; any opacity brings them.
+#[test]
+fn a_transparent_block_is_left_out() {
+    let mut dice = Dice(11);
+    let mut seen = [0; 2];
+    while seen[0] < 20 || seen[1] < 20 {
+        let mut setup = frame(&mut dice);
+        if setup.gradient.is_none() || setup.classification.gradient_rows.is_some() {
+            continue;
+        }
+        let transparent = seen[0] <= seen[1];
+        setup.classification.opacity.fill(u32::from(!transparent));
+        setup.classification.threshold = [0, u32::MAX];
+        let samples = row(&mut dice, &setup, BLOCK).samples;
+        for skip in [false, true] {
+            let mut lanes = AbcLanes::new(&setup, skip);
+            let filled = Cell::new(false);
+            let begin = |block: &mut ShadedBlock| {
+                block.present = [1; BLOCK];
+                block.samples = std::array::from_fn(|lane| samples[lane][1][1][1]);
+            };
+            let fill = |_: &[Neighbours], _: &mut Around| filled.set(true);
+            let mut out = ShadedBlock::default();
+            let saturated = lanes.shade_block(begin, fill, BLOCK, |_| [0; 3], &setup.geometry, &mut out);
+            let left_out = skip && transparent;
+            assert_eq!((saturated.is_none(), filled.get()), (left_out, !left_out), "skip {skip}, {setup:?}");
+        }
+        seen[usize::from(!transparent)] += 1;
     }
 }
 

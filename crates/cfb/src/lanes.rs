@@ -288,12 +288,14 @@ mod tests {
             let layout = if blocks { Layout::Blocks } else { Layout::Rows };
             let placement = Placement { skew: Skew { coefficients, lanes }, layout, dims };
             let words = placement.words();
+            let buffer = FrameBuffer::with_layout(placement.skew, layout, dims, &vec![0; dims.iter().product()]).unwrap();
             let mut taken = bitvec![0; words * lanes];
             for place in 0..dims.iter().product() {
                 let xyz = [place % dims[0], place / dims[0] % dims[1], place / dims[0] / dims[1]];
                 let address = placement.address(xyz);
                 prop_assert!(address < words);
                 let module = placement.skew.module(xyz.map(|i| i as i64));
+                prop_assert_eq!(buffer.module_and_address(xyz), [module, address]);
                 prop_assert!(!taken.replace(module * words + address, true));
             }
         }
@@ -319,6 +321,9 @@ mod tests {
                         let expected = voxels[xyz[0] + dims[0] * (xyz[1] + dims[1] * xyz[2])];
                         prop_assert_eq!(beam[u / lanes * lanes + lane], expected);
                     }
+                    // No lane keeps what the beam before left in it, and there is no voxel 0.
+                    prop_assert_eq!(beam.iter().filter(|&&word| word != 0).count(), size[0]);
+                    beam.fill(u16::MAX);
                 }
             }
         }
