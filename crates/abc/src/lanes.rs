@@ -742,36 +742,34 @@ impl ClassifyLanes {
     /// is one class.
     #[inline(always)]
     pub fn opacity(&self, magnitude: &Block<u32>, class: &Block<u32>, out: &mut ShadedBlock) {
+        if self.flat {
+            self.opacity_in::<true>(magnitude, class, out);
+        } else {
+            self.opacity_in::<false>(magnitude, class, out);
+        }
+    }
+
+    #[inline(always)]
+    fn opacity_in<const FLAT: bool>(&self, magnitude: &Block<u32>, class: &Block<u32>, out: &mut ShadedBlock) {
         let shift = self.shift;
         let table = self.opacity.as_slice();
         let Some(last) = table.len().checked_sub(1) else {
             return;
         };
         let [low, high] = self.threshold;
+        let width = self.width;
+        let (drop, top) = self.rows.unwrap_or((0, 0));
         // Copies, which nothing that is written can be part of.
         let (words, mut there, mut found) = (out.samples, out.present, [0; BLOCK]);
         let mut kept = [0; BLOCK];
-        if self.flat {
-            for i in 0..BLOCK {
-                let word = words[i] as u32;
-                let takes_part = there[i] != 0 && word >= low && word <= high;
-                let entry = table[((word >> shift) as usize).min(last)];
-                there[i] = u32::from(takes_part);
-                found[i] = if takes_part { entry } else { 0 };
-                kept[i] = if takes_part { words[i] } else { 0 };
-            }
-        } else {
-            let width = self.width;
-            let (drop, top) = self.rows.unwrap_or((0, 0));
-            for i in 0..BLOCK {
-                let word = words[i] as u32;
-                let takes_part = there[i] != 0 && word >= low && word <= high;
-                let row = class[i] * (top + 1) + (magnitude[i] >> drop).min(top);
-                let entry = table[((row * width + (word >> shift)) as usize).min(last)];
-                there[i] = u32::from(takes_part);
-                found[i] = if takes_part { entry } else { 0 };
-                kept[i] = if takes_part { words[i] } else { 0 };
-            }
+        for i in 0..BLOCK {
+            let word = words[i] as u32;
+            let takes_part = there[i] != 0 && word >= low && word <= high;
+            let row = if FLAT { 0 } else { (class[i] * (top + 1) + (magnitude[i] >> drop).min(top)) * width };
+            let entry = table[((row + (word >> shift)) as usize).min(last)];
+            there[i] = u32::from(takes_part);
+            found[i] = if takes_part { entry } else { 0 };
+            kept[i] = if takes_part { words[i] } else { 0 };
         }
         (out.samples, out.present, out.opacity) = (kept, there, found);
     }
