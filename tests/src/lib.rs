@@ -61,14 +61,16 @@ pub fn words() -> impl Strategy<Value = Words> {
     let any = (first, second).prop_map(
         |((voxel, weight, fraction, gradient, normal, table), (rows, colour, opacity, accumulator, truncate))| {
             let pick = |part: f64, low: u32, high: u32| low + (part * f64::from(high - low)) as u32;
+            let table_bits = pick(table, 1, (voxel + fraction).min(16));
             Words {
                 voxel_bits: voxel,
                 weight_bits: weight,
                 sample_fraction_bits: fraction,
                 gradient_bits: pick(gradient, 2, (voxel + fraction + 1).min(24)),
                 normal_bits: normal,
-                table_bits: pick(table, 1, (voxel + fraction).min(16)),
-                table_gradient_bits: rows,
+                table_bits,
+                // An eye has up to 16 such tables in each pass, and a test may make those of a hundred passes.
+                table_gradient_bits: rows.min(17 - table_bits),
                 colour_bits: colour,
                 opacity_bits: opacity,
                 accumulator_bits: accumulator,
