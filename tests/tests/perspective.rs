@@ -8,9 +8,10 @@ use cube3_host::{
     picture_setup, warp_passes,
 };
 use cube3_raycast::{ImageOrderOptions, image_order};
-use cube3_scene::{Image, Light, Material, Perspective, Scene, View, VolumeSource};
+use cube3_scene::{Image, Layer, Light, Material, Perspective, Scene, View, VolumeSource};
 use cube3_tests::{SmallVolume, for_perspective, machines, scenes, volumes};
 use cube3_volume::{Phantom, PhantomParams, ReadOptions, WordConversion};
+use cube3_word::Words;
 use proptest::prelude::*;
 
 fn bases(frames: &PictureFrames, dims: [usize; 3], words: &[u16]) -> Vec<BasePlane> {
@@ -212,7 +213,9 @@ proptest! {
     ) {
         let in_voxels = [0, 1, 2].map(|i| direction[i] / volume.spacing[i]);
         prop_assume!((0..3).all(|i| (in_voxels[i] - in_voxels[(i + 1) % 3]).abs() > 1e-6));
-        let machine = for_perspective(&machine);
+        let mut machine = for_perspective(&machine);
+        // The tables of a hundred passes and more are made.
+        machine.words.table_gradient_bits = machine.words.table_gradient_bits.min(2);
         (scene.cuts, scene.crop) = (Vec::new(), None);
         // On quarters of a voxel, which mirror exactly.
         let eye = eye.map(|x| f64::from(x) * 0.25);
@@ -414,4 +417,24 @@ fn what_needs_parallel_rays_is_refused_with_a_remedy() {
     machine.abc.shading = cube3_host::ShadingUnit::ReflectanceTable;
     let error = picture_setup(&scene, &machine, &info, true).unwrap_err().to_string();
     assert!(error.contains("abc.shading") && error.contains("give \"phong\""), "{error}");
+}
+
+/// 2^16 samples, 2^7 gradients and 2^4 step lengths would be half a gigabyte for each pass.
+#[test]
+fn tables_that_would_fill_the_memory_are_refused_before_they_are_made() {
+    let mut scene = with_eye(&head(16), Perspective::new(30.0), 16);
+    scene.transfer.layers = vec![
+        Layer { gradient: 0.0, opacity: vec![[0.0, 0.0], [255.0, 0.5]] },
+        Layer { gradient: 50.0, opacity: std::mem::take(&mut scene.transfer.opacity) },
+    ];
+    let info = VolumeInfo { dims: [16; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
+    let machine = |table_bits, table_gradient_bits| {
+        let words = Words { voxel_bits: 16, table_bits, table_gradient_bits, ..Words::default() };
+        MachineSpec { words, ..MachineSpec::default() }
+    };
+    let error = picture_setup(&scene, &machine(16, 7), &info, true).unwrap_err().to_string();
+    assert!(error.contains("2^27 entries") && error.contains("lower words.table_bits"), "{error}");
+    assert!(picture_setup(&scene, &machine(4, 8), &info, true).is_ok());
+    scene.transfer.opacity_correction = false;
+    assert!(picture_setup(&scene, &machine(16, 7), &info, true).is_ok());
 }

@@ -68,7 +68,26 @@ pub enum HostError {
         /// What can be used.
         remedy: &'static str,
     },
+    /// Tables of opacity that would take too much memory.
+    #[error(
+        "the opacity tables of a pass would have 2^{bits} entries (2^{table} samples, 2^{rows} gradients, 2^{classes} step lengths), above the \
+         limit of 2^{MOST_TABLE_BITS}: lower words.table_bits or words.table_gradient_bits in the machine file, or set \
+         transfer.opacity_correction = false in the scene"
+    )]
+    Tables {
+        /// Bits of an address: the sum of the others.
+        bits: u32,
+        /// Bits that samples give.
+        table: u32,
+        /// Bits that gradients give.
+        rows: u32,
+        /// Bits that step lengths give.
+        classes: u32,
+    },
 }
+
+/// Most address bits of the opacity tables of a frame: 2^26 entries are 256 MiB, of which a picture has up to six.
+const MOST_TABLE_BITS: u32 = 26;
 
 /// Checks that the machine's bus can serve a view, perspective or parallel.
 ///
@@ -146,7 +165,18 @@ pub(crate) fn check_perspective(scene: &Scene, machine: &MachineSpec) -> Result<
             remedy: "phong",
         });
     }
+    let words = &machine.words;
+    let [table, classes] = [words.table_bits, RayRegisters::MOST_CLASSES.ilog2()];
+    let bits = table + words.table_gradient_bits + classes;
+    if rows && corrects_opacity(scene) && bits > MOST_TABLE_BITS {
+        return Err(HostError::Tables { bits, table, rows: words.table_gradient_bits, classes });
+    }
     Ok(())
+}
+
+/// Whether opacities are corrected to the length of a step.
+fn corrects_opacity(scene: &Scene) -> bool {
+    scene.mode == Mode::Composite && scene.transfer.opacity_correction
 }
 
 /// Whether a scene's pixels are lit colours.
@@ -291,7 +321,7 @@ const SAME_LENGTH: f64 = 1e-6;
 
 impl StepLengths {
     fn new(scene: &Scene, geometry: &Geometry, spacing: [f64; 3]) -> StepLengths {
-        let corrects = scene.mode == Mode::Composite && scene.transfer.opacity_correction;
+        let corrects = corrects_opacity(scene);
         let Some(pass) = &geometry.perspective else {
             let length = if corrects { step_length(geometry, spacing) } else { 1.0 };
             return StepLengths { lengths: vec![length], along_u: Vec::new(), along_v: Vec::new() };
