@@ -623,6 +623,22 @@ mod tests {
     use crate::Bus;
 
     #[test]
+    fn opacity_tables_of_an_eye_have_a_limit() {
+        let fits = |scene: &Scene, table_bits, table_gradient_bits| {
+            let words = cube3_word::Words { table_bits, table_gradient_bits, ..Default::default() };
+            check_perspective(scene, &MachineSpec { words, ..MachineSpec::default() }).is_ok()
+        };
+        let mut scene = Scene::default();
+        scene.transfer.opacity_correction = true;
+        assert!(fits(&scene, 16, 8), "one row");
+        let layer = |gradient| cube3_scene::Layer { gradient, opacity: vec![[0.0, 0.0], [255.0, 0.5]] };
+        scene.transfer.layers = vec![layer(0.0), layer(50.0)];
+        assert_eq!([6, 7].map(|rows| fits(&scene, 16, rows)), [true, false]);
+        scene.transfer.opacity_correction = false;
+        assert!(fits(&scene, 16, 8), "one step length");
+    }
+
+    #[test]
     fn a_bus_that_only_turns_beams_is_for_parallel_views() {
         let rotate = MachineSpec { bus: Bus { kind: BusKind::Rotate, ..Bus::default() }, ..MachineSpec::default() };
         assert!(check_bus(&rotate, false).is_ok());
