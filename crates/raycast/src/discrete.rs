@@ -1,10 +1,14 @@
 //! The casters on the base plane: the machine's rays and samples in reals.
+//!
+//! A sample stands for half of the way to the sample before it and to the one behind; the first of a ray for all of the ray that lies before,
+//! and the last for all that lies behind. So the samples of a ray stand for its length exactly.
 
 use crate::check::{check_geometry, check_volume};
 use crate::gradient::Estimator;
 use crate::integrate::{Integrator, Probe, Ray, StepWeights};
 use crate::progress::RowCount;
 use crate::sample_plane::{SampleWindow, Sampler};
+use crate::span::{Drawn, ON_FACE};
 use crate::voxels::Voxels;
 use crate::{BaseRendering, Interpolation, Progress, RaycastError};
 use cube3_host::{DiscreteRay, Geometry, GradientMethod, step_length};
@@ -61,7 +65,8 @@ pub fn sheared(
     discrete(volume, scene, geometry, Interpolation::Sheared, options, progress)
 }
 
-/// Either of the two. The image size of the scene plays no part: the base plane is the geometry's.
+/// Either of the two. The image size of the scene plays no part: the base plane is the geometry's, which is made for the
+/// [`thickened`](Volume::thickened) volume.
 ///
 /// # Errors
 /// As [`true_3d`].
@@ -78,6 +83,8 @@ pub fn discrete(
         return Err(RaycastError::Perspective);
     }
     check_volume(volume, options.border)?;
+    let scene = &*scene.thickened(volume.dims.map(|n| n == 1));
+    let volume = &*volume.thickened();
     check_geometry(volume, geometry)?;
     let view = scene.view.frame()?;
     let estimator = Estimator::new(geometry, volume.spacing, options.gradient);
@@ -92,13 +99,14 @@ pub fn discrete(
         .collect();
     let weights = StepWeights {
         length: step_length(geometry, volume.spacing),
-        sum: 1.0 / geometry.size[2] as f64,
+        sum: 1.0 / (geometry.size[2] - 1) as f64,
         stop_below: 0.0,
     };
     let integrator = Integrator::new(scene, volume, &view, lights, weights);
     let neighbours = Integrator::reads_gradients(scene);
     let rows = RowCount::new(progress);
-    let caster = Caster { geometry, estimator: &estimator, integrator, neighbours, rows: &rows };
+    let drawn = Drawn::new(scene, volume.dims);
+    let caster = Caster { geometry, drawn, estimator: &estimator, integrator, neighbours, rows: &rows };
     let pixels = with_samples!(&volume.samples, v => {
         let voxels = Voxels::new(v, volume.dims, geometry);
         caster.cast(&Sampler::new(geometry, voxels, interpolation, options.border))
@@ -109,6 +117,7 @@ pub fn discrete(
 
 struct Caster<'a> {
     geometry: &'a Geometry,
+    drawn: Drawn,
     estimator: &'a Estimator,
     integrator: Integrator<'a>,
     /// Whether gradients are read.
@@ -141,17 +150,65 @@ impl Caster<'_> {
     fn cast_row<S: Sample>(&self, integrator: &mut Integrator<'_>, window: &SampleWindow<'_, S>, row: &mut [[f64; 4]]) {
         let shear = self.geometry.shear_u() as i64;
         let mut rays = vec![Ray::START; row.len()];
-        for k in 0..self.geometry.size[2] {
+        let depths = self.geometry.size[2];
+        let parts = self.parts(window.v, row.len());
+        for k in 0..depths {
             for u in self.geometry.valid_columns(window.v, k) {
                 let column = (u + shear) as usize;
                 let ray = &mut rays[column];
-                if !ray.done {
-                    integrator.add(ray, k, window.sample(column, k), &self.probe(window, column, k));
+                if let Some(part) = parts[column * depths + k]
+                    && !ray.done
+                {
+                    integrator.add(ray, k, window.sample(column, k), part, &self.probe(window, column, k));
                 }
             }
         }
         for (column, (pixel, ray)) in row.iter_mut().zip(&rays).enumerate() {
             *pixel = integrator.finish(ray, |k| self.probe(window, column, k));
+        }
+    }
+
+    /// The part of a step that each sample of the rays of plane `v` stands for, ray by ray in order of depth; none where there is no sample
+    /// in what is drawn.
+    fn parts(&self, v: i64, width: usize) -> Vec<Option<f64>> {
+        let depths = self.geometry.size[2];
+        let first = -(self.geometry.shear_u() as i64);
+        let mut parts = vec![None; width * depths];
+        for k in 0..depths {
+            for u in self.geometry.valid_columns(v, k) {
+                parts[(u - first) as usize * depths + k] = Some(0.0);
+            }
+        }
+        for (u, parts) in (first..).zip(parts.chunks_mut(depths)) {
+            self.ray_parts(DiscreteRay { u, v }, parts);
+        }
+        parts
+    }
+
+    /// Of the samples of a ray, those in what is drawn, and how much of the ray is nearer to each than to the others.
+    fn ray_parts(&self, ray: DiscreteRay, parts: &mut [Option<f64>]) {
+        let Geometry { axes, size, .. } = self.geometry;
+        let [u, v] = [ray.u as f64, ray.v as f64];
+        let [du, dv] = self.geometry.real_slopes();
+        let origin = axes.voxel_position(*size, [u, v, 0.0]);
+        let ahead = axes.voxel_position(*size, [u + du, v + dv, 1.0]);
+        let span = self.drawn.span(origin, [0, 1, 2].map(|i| ahead[i] - origin[i]));
+        let mut before: Option<usize> = None;
+        for k in 0..parts.len() {
+            let depth = |k: usize| k as f64 + self.geometry.real_offset();
+            let drawn = span.filter(|[enter, leave]| (enter - ON_FACE..=leave + ON_FACE).contains(&depth(k)));
+            let (Some([enter, leave]), Some(_)) = (drawn, parts[k]) else {
+                parts[k] = None;
+                continue;
+            };
+            // All that is left, until there is another one behind.
+            let mut from = enter;
+            if let Some((before, part)) = before.and_then(|k| Some((k, parts[k].as_mut()?))) {
+                from = f64::midpoint(depth(before), depth(k));
+                *part -= leave - from;
+            }
+            parts[k] = Some(leave - from);
+            before = Some(k);
         }
     }
 

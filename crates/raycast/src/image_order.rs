@@ -1,15 +1,17 @@
-//! Image-order ray casting: rays from the picture's pixels, uniform steps, exact interpolation.
+//! Image-order ray casting: rays from the picture's pixels, steps of one length, exact interpolation.
 
 use crate::check::check_volume;
 use crate::integrate::{Integrator, Probe, Ray, StepWeights};
 use crate::interpolate::cell;
 use crate::progress::RowCount;
+use crate::span::{Drawn, ON_FACE};
 use crate::{Progress, RaycastError};
 use cube3_host::{Geometry, ImagePlane, RaySlots, TemplateRule, canonical, over, slope_register, step_length};
 use cube3_scene::{Scene, resolve_lights};
 use cube3_volume::{Sample, Volume, with_samples};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::cmp::Ordering;
 
 /// Transmittance below which [`ImageOrderOptions::early_termination`] stops a ray: no channel of the pixel is then
 /// off by more, which is less than a sixteenth of the last bit of a 16-bit picture.
@@ -17,13 +19,6 @@ const TERMINATION: f64 = 1.0 / (1 << 20) as f64;
 
 /// Most steps through the volume's diagonal.
 const MOST_STEPS: f64 = 1e8;
-
-/// A direction's component below this is none: over any ray it moves by less than rounding does.
-const PARALLEL: f64 = 1e-12;
-
-/// How far outside of a face, in voxels, a ray along it still counts as in it; and the part of a step by which the last
-/// sample may lie behind the far face. Both absorb rounding; samples are taken on the face.
-const ON_FACE: f64 = 1e-9;
 
 /// How rays are sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,12 +30,15 @@ pub struct ImageOrderOptions {
     pub early_termination: bool,
     /// Value of the voxels beyond the volume, for gradients at its border.
     pub border: f64,
+    /// Takes every so many pixels of a row and every so many rows, from the top left one on: 1 and up. The rendering is then as much
+    /// smaller.
+    pub every: usize,
 }
 
 impl Default for ImageOrderOptions {
-    /// A step of one voxel, every sample, border 0.
+    /// A step of one voxel, every sample, border 0, every pixel.
     fn default() -> Self {
-        ImageOrderOptions { step_voxel: 1.0, early_termination: false, border: 0.0 }
+        ImageOrderOptions { step_voxel: 1.0, early_termination: false, border: 0.0, every: 1 }
     }
 }
 
@@ -59,16 +57,16 @@ pub struct Rendering {
 
 /// VolRen: casts a ray for every pixel of the picture.
 ///
-/// A ray runs through the box of the voxel centres, [0, n−1] along each axis. Its first sample is where it enters,
-/// the others follow at equal steps, up to and including the face where it leaves. Each sample stands for one whole
-/// step. Interpolation is trilinear; a gradient's component is the central difference of the values one voxel to
-/// either side, over the voxels' distance in the world.
+/// A ray runs through the box of the voxel centres, [0, n−1] along each axis, inside of the crop box and of the cut planes; an axis of one
+/// voxel is one thick ([`Volume::thickened`]). Its first sample is where it enters, the others follow at steps of one length, and the last
+/// is where it leaves, after what is left of a step. A sample stands for the half of the way to each of its neighbours, so that together
+/// they stand for the ray's length exactly: the trapezoid rule, of second order. Interpolation is trilinear; a gradient's component is the
+/// central difference of the values one voxel to either side, over the voxels' distance in the world.
 ///
 /// In perspective the rays run from the eye. One that begins in the box has its first sample at the eye. Light from the
 /// eye shines along each ray, and the eye of a highlight is the ray's. Depth, for depth cueing, is measured along the
-/// view and not along the ray. In a weighted sum the planes across the axis nearest to the view weigh the same on every
-/// ray, so that the weight of a step is the part of the volume's extent along that axis which it covers: what
-/// the weight in a parallel view along the ray is.
+/// view and not along the ray. In a weighted sum the weight of a step is the part of the volume's extent, n−1, along the axis nearest to
+/// the view which it covers: a ray through all planes sums to 1, in perspective as in a parallel view.
 ///
 /// # Errors
 /// A scene with a value out of range, a volume that is no grid of finite values, an option out of range.
@@ -80,6 +78,8 @@ pub fn image_order(
 ) -> Result<Rendering, RaycastError> {
     scene.validate()?;
     check_volume(volume, options.border)?;
+    let scene = &*scene.thickened(volume.dims.map(|n| n == 1));
+    let volume = &*volume.thickened();
     let smallest = volume.spacing.iter().copied().fold(f64::INFINITY, f64::min);
     let diagonal: f64 = (0..3).map(|i| volume.dims[i] as f64 * volume.spacing[i] / smallest).sum();
     if !(options.step_voxel > 0.0 && options.step_voxel.is_finite() && diagonal / options.step_voxel <= MOST_STEPS) {
@@ -93,7 +93,8 @@ pub fn image_order(
     let view = scene.view.frame()?;
     let plane = ImagePlane::new(scene, &view, volume.dims, volume.spacing);
     let (machine_step, axis) = machine_step(volume, view.direction);
-    let depth = volume.dims[axis] as f64;
+    let depth = (volume.dims[axis] - 1) as f64;
+    let drawn = Drawn::new(scene, volume.dims);
     let weights = StepWeights {
         length: options.step_voxel,
         sum: options.step_voxel / machine_step / depth,
@@ -102,28 +103,33 @@ pub fn image_order(
     let integrator = Integrator::new(scene, volume, &view, resolve_lights(scene, &view), weights);
     let per_voxel = volume.spacing.map(|s| s / smallest);
     let rows = RowCount::new(progress);
-    let mut pixels = vec![[0.0; 3]; plane.width * plane.height];
+    let every = options.every.max(1);
+    let [width, height] = [plane.width, plane.height].map(|pixels| pixels.div_ceil(every));
+    let mut pixels = vec![[0.0; 3]; width * height];
     let samples = with_samples!(&volume.samples, v => {
         let grid = Grid { samples: v, dims: volume.dims, border: options.border, per_voxel };
         let cast = |(row, pixels): (usize, &mut [[f64; 3]])| {
             let mut integrator = integrator.clone();
             let mut samples = 0;
             for (column, pixel) in pixels.iter_mut().enumerate() {
-                let line = pixel_line(&plane, [column, row], volume.spacing, smallest);
+                let line = pixel_line(&plane, [column * every, row * every], volume.spacing, smallest);
                 if plane.eye.is_some() {
                     let planes = line.direction[axis].abs() * options.step_voxel;
                     integrator.start(line.world_direction, planes / depth);
                 }
-                let (premultiplied, taken) = cast_ray(&mut integrator, &grid, &line, options.step_voxel);
+                let (premultiplied, taken) = match line.span(&drawn) {
+                    Some(span) => cast_ray(&mut integrator, &grid, &line, &Samples::new(span, options.step_voxel)),
+                    None => ([0.0; 4], 0),
+                };
                 *pixel = over(premultiplied, scene.background);
                 samples += taken;
             }
             rows.row_done();
             samples
         };
-        pixels.par_chunks_mut(plane.width).enumerate().map(cast).sum()
+        pixels.par_chunks_mut(width).enumerate().map(cast).sum()
     });
-    Ok(Rendering { width: plane.width, height: plane.height, pixels, samples })
+    Ok(Rendering { width, height, pixels, samples })
 }
 
 /// The step of a base-plane ray of this view and its major axis, along which the planes are counted: what a weighted sum
@@ -176,22 +182,10 @@ fn pixel_line(plane: &ImagePlane, [column, row]: [usize; 2], spacing: [f64; 3], 
 }
 
 impl Line {
-    /// Parameters at which the ray enters the box [0, n−1], or begins in it, and leaves it.
-    fn clip(&self, dims: [usize; 3]) -> Option<[f64; 2]> {
-        let mut range = [f64::NEG_INFINITY, f64::INFINITY];
-        for ((origin, direction), n) in self.origin.into_iter().zip(self.direction).zip(dims) {
-            let last = (n - 1) as f64;
-            if direction.abs() < PARALLEL {
-                if origin < -ON_FACE || origin > last + ON_FACE {
-                    return None;
-                }
-                continue;
-            }
-            let (a, b) = ((0.0 - origin) / direction, (last - origin) / direction);
-            range = [range[0].max(a.min(b)), range[1].min(a.max(b))];
-        }
-        let [enter, leave] = range;
-        if enter > leave || self.eye > leave + ON_FACE {
+    /// Parameters at which the ray enters what is drawn, or begins in it, and leaves it.
+    fn span(&self, drawn: &Drawn) -> Option<[f64; 2]> {
+        let [enter, leave] = drawn.span(self.origin, self.direction)?;
+        if self.eye > leave + ON_FACE {
             return None;
         }
         // An eye on a face that looks away still sees the face.
@@ -205,21 +199,63 @@ impl Line {
     }
 }
 
+/// Where a ray takes samples, and the part of a step that each stands for.
+struct Samples {
+    enter: f64,
+    leave: f64,
+    step: f64,
+    /// Whole steps from the first sample on.
+    whole: usize,
+    /// What is left of a step behind them, 0 to below 1.
+    rest: f64,
+}
+
+impl Samples {
+    fn new([enter, leave]: [f64; 2], step: f64) -> Samples {
+        let steps = (leave - enter) / step;
+        let whole = (steps + ON_FACE).floor();
+        let rest = steps - whole;
+        Samples { enter, leave, step, whole: whole as usize, rest: if rest > ON_FACE { rest } else { 0.0 } }
+    }
+
+    fn count(&self) -> usize {
+        self.whole + 1 + usize::from(self.rest > 0.0)
+    }
+
+    /// The ray's parameter at a sample.
+    #[inline(always)]
+    fn at(&self, index: usize) -> f64 {
+        if index > self.whole { self.leave } else { self.enter + index as f64 * self.step }
+    }
+
+    /// Half of the way to the sample before and half of that to the one behind, in steps.
+    #[inline(always)]
+    fn part(&self, index: usize) -> f64 {
+        let way = |behind: usize| match behind.cmp(&self.whole) {
+            Ordering::Less => 1.0,
+            Ordering::Equal => self.rest,
+            Ordering::Greater => 0.0,
+        };
+        (if index == 0 { 0.0 } else { way(index - 1) } + way(index)) / 2.0
+    }
+}
+
 /// The pixel of a ray, opacity-weighted, and how many samples it took.
-fn cast_ray<S: Sample>(integrator: &mut Integrator<'_>, grid: &Grid<'_, S>, line: &Line, step: f64) -> ([f64; 4], u64) {
-    let Some([enter, leave]) = line.clip(grid.dims) else {
-        return ([0.0; 4], 0);
-    };
-    let count = ((leave - enter) / step + ON_FACE).floor() as usize + 1;
+fn cast_ray<S: Sample>(
+    integrator: &mut Integrator<'_>,
+    grid: &Grid<'_, S>,
+    line: &Line,
+    samples: &Samples,
+) -> ([f64; 4], u64) {
     let probe = |index: usize| {
-        let cell = grid.cell(line.at(enter + index as f64 * step, grid.dims));
+        let cell = grid.cell(line.at(samples.at(index), grid.dims));
         PlacedSample { grid, cell }
     };
     let mut ray = Ray::START;
     let mut taken = 0;
-    for index in 0..count {
+    for index in 0..samples.count() {
         let sample = probe(index);
-        integrator.add(&mut ray, index, grid.value(sample.cell), &sample);
+        integrator.add(&mut ray, index, grid.value(sample.cell), samples.part(index), &sample);
         taken += 1;
         if ray.done {
             break;

@@ -16,12 +16,12 @@ pub(crate) trait Probe {
     fn gradient(&self) -> [f64; 3];
 }
 
-/// How one step of a ray counts.
+/// How one whole step of a ray counts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepWeights {
     /// Its length in the smallest voxel spacing, for the correction of opacity.
     pub length: f64,
-    /// What a sample weighs in a weighted sum.
+    /// What a sample that stands for it weighs in a weighted sum.
     pub sum: f64,
     /// Transmittance below which the ray stops, 0 for never.
     pub stop_below: f64,
@@ -34,11 +34,10 @@ pub(crate) struct Integrator<'a> {
     lights: Vec<ResolvedLight>,
     weights: StepWeights,
     cue: Option<LinearCue<'a>>,
-    clipped: bool,
     /// Values below are clear whatever the gradient.
     clear_below: f64,
     corrects: bool,
-    /// The last opacity that was corrected, and to what: transfer functions have plateaus.
+    /// The last opacity that was corrected to a whole step, and to what: transfer functions have plateaus.
     corrected: (f64, f64),
 }
 
@@ -103,7 +102,6 @@ impl<'a> Integrator<'a> {
             lights,
             weights,
             cue: scene.depth_cue.as_ref().map(|cue| LinearCue::new(cue, volume, view)),
-            clipped: scene.crop.is_some() || !scene.cuts.is_empty(),
             clear_below: clear_below(&scene.transfer),
             corrects: scene.transfer.opacity_correction,
             corrected: (0.0, 0.0),
@@ -123,14 +121,15 @@ impl<'a> Integrator<'a> {
         self.weights.sum = sum;
     }
 
-    /// Adds sample `index` of a ray, the next one from the front.
+    /// Adds sample `index` of a ray, the next one from the front, which stands for the `part` of a step. It lies in what is drawn:
+    /// crop box and cuts are in the ray's length.
     #[inline]
-    pub fn add(&mut self, ray: &mut Ray, index: usize, value: f64, probe: &impl Probe) {
+    pub fn add(&mut self, ray: &mut Ray, index: usize, value: f64, part: f64, probe: &impl Probe) {
         match self.scene.mode {
             Mode::Composite => {
                 let (alpha, gradient) = self.visible_opacity(value, probe);
                 if alpha > 0.0 {
-                    let alpha = self.correct(alpha);
+                    let alpha = self.correct(alpha, part);
                     let colour = self.lit_colour(value, gradient, probe);
                     ray.composite(colour, alpha, self.weights.stop_below);
                 }
@@ -139,10 +138,11 @@ impl<'a> Integrator<'a> {
                 let (alpha, _) = self.visible_opacity(value, probe);
                 if alpha > 0.0 {
                     let colour = self.plain_colour(value, probe);
+                    let weight = alpha * part * self.weights.sum;
                     for (sum, c) in ray.colour.iter_mut().zip(colour) {
-                        *sum += c * alpha * self.weights.sum;
+                        *sum += c * weight;
                     }
-                    ray.alpha += alpha * self.weights.sum;
+                    ray.alpha += weight;
                 }
             }
             Mode::FirstOpaque | Mode::LastOpaque => {
@@ -151,14 +151,14 @@ impl<'a> Integrator<'a> {
                     ray.done = self.scene.mode == Mode::FirstOpaque;
                 }
             }
-            Mode::Maximum => self.choose(ray, index, value, probe, |best| value > best),
-            Mode::Minimum => self.choose(ray, index, value, probe, |best| value < best),
+            Mode::Maximum => self.choose(ray, index, value, |best| value > best),
+            Mode::Minimum => self.choose(ray, index, value, |best| value < best),
         }
     }
 
     /// Takes the sample if it is `better` than the best so far; the one in front stays at ties.
-    fn choose(&self, ray: &mut Ray, index: usize, value: f64, probe: &impl Probe, better: impl Fn(f64) -> bool) {
-        if ray.chosen.is_none_or(|(_, best)| better(best)) && !self.removed(value, probe) {
+    fn choose(&self, ray: &mut Ray, index: usize, value: f64, better: impl Fn(f64) -> bool) {
+        if ray.chosen.is_none_or(|(_, best)| better(best)) && !self.removed(value) {
             ray.chosen = Some((index, value));
         }
     }
@@ -184,7 +184,7 @@ impl<'a> Integrator<'a> {
     /// The opacity of a unit length, 0 for what is removed; and the gradient if it had to be read.
     #[inline]
     fn visible_opacity(&self, value: f64, probe: &impl Probe) -> (f64, Option<[f64; 3]>) {
-        if value < self.clear_below || self.removed(value, probe) { (0.0, None) } else { self.opacity(value, probe) }
+        if value < self.clear_below || self.removed(value) { (0.0, None) } else { self.opacity(value, probe) }
     }
 
     fn opacity(&self, value: f64, probe: &impl Probe) -> (f64, Option<[f64; 3]>) {
@@ -194,22 +194,18 @@ impl<'a> Integrator<'a> {
         (transfer.opacity_at(value, magnitude), gradient)
     }
 
-    fn removed(&self, value: f64, probe: &impl Probe) -> bool {
+    fn removed(&self, value: f64) -> bool {
         self.scene.threshold.as_ref().is_some_and(|threshold| threshold.removes(value))
-            || self.clipped && self.clipped_at(probe.position())
     }
 
-    fn clipped_at(&self, position: [f64; 3]) -> bool {
-        self.scene.crop.as_ref().is_some_and(|crop| crop.removes(position))
-            || self.scene.cuts.iter().any(|cut| cut.removes(position))
-    }
-
-    fn correct(&mut self, alpha: f64) -> f64 {
-        if !self.corrects {
-            return alpha;
+    /// The opacity of the part of a step; without the correction a whole step has the opacity of a unit length.
+    fn correct(&mut self, alpha: f64, part: f64) -> f64 {
+        let step = if self.corrects { self.weights.length } else { 1.0 };
+        if part != 1.0 {
+            return corrected_opacity(alpha, step * part);
         }
         if self.corrected.0 != alpha {
-            self.corrected = (alpha, corrected_opacity(alpha, self.weights.length));
+            self.corrected = (alpha, corrected_opacity(alpha, step));
         }
         self.corrected.1
     }

@@ -33,6 +33,7 @@ mod interpolate;
 mod progress;
 mod ray_samples;
 mod sample_plane;
+mod span;
 mod steps;
 mod surface;
 mod voxels;

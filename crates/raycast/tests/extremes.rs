@@ -4,7 +4,7 @@
 mod common;
 
 use common::{geometry, geometry_along, noise, one_voxel_a_pixel, scene_along};
-use cube3_host::{GradientMethod, TemplateRule};
+use cube3_host::{DiscreteRay, GradientMethod, TemplateRule};
 use cube3_raycast::{
     DiscreteOptions, ImageOrderOptions, Interpolation, RaycastError, discrete, image_order, sheared, surface_gradients,
     true_3d,
@@ -45,16 +45,16 @@ fn the_smallest_volumes_are_rendered() {
             }
         }
     }
-    // A single voxel is one sample, straight ahead.
+    // A single voxel is one thick: two samples straight ahead, half a voxel before its centre and half a voxel behind.
     let volume = Volume::from_fn([1; 3], [1.0; 3], |_, _, _| 200_u8).unwrap();
     let ahead = View::from_angles(0.0, 0.0);
     let scene = Scene { view: ahead, image: one_voxel_a_pixel(3, 3), ..Scene::default() };
     let picture = image_order(&volume, &scene, &ImageOrderOptions::default(), None).unwrap();
-    assert_eq!(picture.samples, 1);
+    assert_eq!(picture.samples, 2);
     assert!(picture.pixels[4][0] > 0.0 && picture.pixels[3] == [0.0; 3]);
     let geometry = geometry_along(&volume, DVec3::Y, TemplateRule::SampleFloor, 0.0);
     let base = sheared(&volume, &scene, &geometry, &DiscreteOptions::default(), None).unwrap();
-    assert_eq!((base.width, base.height, base.samples, base.pixels[0][3]), (1, 1, 1, 0.75));
+    assert_eq!((base.width, base.height, base.samples, base.pixels[0][3]), (2, 2, 8, 0.75));
 }
 
 #[test]
@@ -66,8 +66,8 @@ fn a_line_of_voxels_is_seen_along_it_and_across() {
         (picture.samples, picture.pixels.iter().filter(|pixel| pixel[0] > 0.0).count())
     };
     assert_eq!(seen([0.0, 0.0, 1.0]), (9, 1));
-    // Voxels of 100 and more are seen, 80 is clear: four of them.
-    assert_eq!(seen([0.0, 1.0, 0.0]), (9, 4));
+    // Voxels of 100 and more are seen, 80 is clear: four of them. Each is one thick.
+    assert_eq!(seen([0.0, 1.0, 0.0]), (18, 4));
 }
 
 #[test]
@@ -93,9 +93,16 @@ fn nothing_is_nothing_and_full_is_full() {
             assert!(full.samples <= (full.width * full.height) as u64, "the ray stops at once");
         }
         let geometry = geometry(&volume, &full);
+        let [base_width, _] = geometry.base_plane_size();
         let options = DiscreteOptions::default();
         let [full, first] = [&full, &first].map(|scene| sheared(&volume, scene, &geometry, &options, None).unwrap());
-        assert_eq!(full, first);
+        // A ray that only touches an edge of the volume has a sample there, and no length.
+        for (i, (full, first)) in full.pixels.iter().zip(&first.pixels).enumerate() {
+            let [column, row] = [i % base_width, i / base_width].map(|x| x as i64);
+            let ray = DiscreteRay { u: column - geometry.shear_u() as i64, v: row - geometry.shear_v() as i64 };
+            let samples = (0..geometry.size[2] as i64).filter(|&k| geometry.has_sample(ray, k)).count();
+            assert!(full == first || samples == 1 && *full == [0.0; 4], "pixel {i} along {direction:?}");
+        }
     }
 }
 
@@ -107,7 +114,7 @@ fn optical_depth_from_nothing_to_infinite() {
         let scene = Scene { transfer, ..scene_along([0.0, 1.0, 0.0]) };
         let geometry = geometry_along(&volume, DVec3::Y, TemplateRule::SampleFloor, 0.0);
         let base = sheared(&volume, &scene, &geometry, &DiscreteOptions::default(), None).unwrap();
-        let expected = -(64.0 * (-alpha).ln_1p()).exp_m1();
+        let expected = -(63.0 * (-alpha).ln_1p()).exp_m1();
         let got = base.pixel(1, 1)[3];
         assert!((got - expected).abs() <= 1e-13 * expected, "alpha {alpha}: {got:e}, not {expected:e}");
         assert!(got > 0.0 && got <= 1.0);

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{geometry, hash, largest_difference, noise, one_voxel_a_pixel};
+use common::{geometry, hash, largest_difference, noise, one_voxel_a_pixel, stretch};
 use cube3_host::{Basis, DiscreteRay, Geometry, GradientMethod, ImagePlane, depth_range, over, step_length};
 use cube3_raycast::{
     BaseRendering, DiscreteOptions, ImageOrderOptions, Interpolation, RaySamples, discrete, image_order,
@@ -22,6 +22,8 @@ struct Gathered {
     position: [f64; 3],
     /// In the frame of the lights.
     gradient: DVec3,
+    /// The part of a step that it stands for.
+    part: f64,
 }
 
 /// The pixel of a list of samples, front to back.
@@ -34,12 +36,8 @@ fn brute_force(
     sum: f64,
 ) -> [f64; 4] {
     let view = scene.view.frame().unwrap();
-    let shown: Vec<&Gathered> = samples
-        .iter()
-        .filter(|s| !scene.threshold.as_ref().is_some_and(|t| t.removes(s.value)))
-        .filter(|s| !scene.crop.as_ref().is_some_and(|c| c.removes(s.position)))
-        .filter(|s| !scene.cuts.iter().any(|c| c.removes(s.position)))
-        .collect();
+    let shown: Vec<&Gathered> =
+        samples.iter().filter(|s| !scene.threshold.as_ref().is_some_and(|t| t.removes(s.value))).collect();
     let opacity = |s: &Gathered| scene.transfer.opacity_at(s.value, s.gradient.length());
     let cue = |s: &Gathered, rgb: [f64; 3]| {
         let Some(cue) = &scene.depth_cue else { return rgb };
@@ -58,7 +56,7 @@ fn brute_force(
     match scene.mode {
         Mode::Composite => shown.iter().rev().fold([0.0; 4], |behind, s| {
             let correction = if scene.transfer.opacity_correction { length } else { 1.0 };
-            let alpha = corrected_opacity(opacity(s), correction);
+            let alpha = corrected_opacity(opacity(s), correction * s.part);
             let front = weighted(lit(s), alpha);
             [0, 1, 2, 3].map(|i| front[i] + (1.0 - alpha) * behind[i])
         }),
@@ -72,7 +70,7 @@ fn brute_force(
         }
         Mode::WeightedSum => shown.iter().fold([0.0; 4], |total, s| {
             let sample = weighted(plain(s), opacity(s));
-            [0, 1, 2, 3].map(|i| total[i] + sample[i] * sum)
+            [0, 1, 2, 3].map(|i| total[i] + sample[i] * s.part * sum)
         }),
     }
 }
@@ -147,17 +145,34 @@ fn base_plane_by_force(
         for column in 0..width {
             let ray =
                 DiscreteRay { u: column as i64 - geometry.shear_u() as i64, v: row as i64 - geometry.shear_v() as i64 };
+            let depth = |k: usize| k as f64 + geometry.real_offset();
+            let place = |w: f64| {
+                let [du, dv] = geometry.real_slopes();
+                let at = [ray.u as f64 + w * du, ray.v as f64 + w * dv, w];
+                DVec3::from(geometry.axes.voxel_position(geometry.size, at))
+            };
+            let last_plane = (geometry.size[2] - 1) as f64;
+            let drawn = stretch(scene, volume.dims, place(0.0), place(1.0) - place(0.0), [0.0, last_plane]);
             let gather = |k: usize| {
                 Some(Gathered {
                     value: rays.sample(ray, k as i64)?,
                     position: geometry.axes.voxel_position(geometry.size, geometry.sample_position(ray, k)),
                     gradient: DVec3::from(rays.gradient(ray, k as i64, options.gradient)),
+                    part: depth(k),
                 })
             };
-            let samples: Vec<Gathered> = (0..geometry.size[2]).filter_map(gather).collect();
+            let mut samples: Vec<Gathered> = (0..geometry.size[2]).filter_map(gather).collect();
             count += samples.len() as u64;
+            let [enter, leave] = drawn.unwrap_or([0.0, -1.0]);
+            samples.retain(|s| enter - 1e-10 <= s.part && s.part <= leave + 1e-10);
+            let depths: Vec<f64> = samples.iter().map(|s| s.part).collect();
+            for (i, sample) in samples.iter_mut().enumerate() {
+                let from = if i == 0 { enter } else { f64::midpoint(depths[i - 1], depths[i]) };
+                let to = depths.get(i + 1).map_or(leave, |next| f64::midpoint(depths[i], *next));
+                sample.part = to - from;
+            }
             let length = step_length(geometry, volume.spacing);
-            pixels.push(brute_force(scene, volume, &lights, &samples, length, 1.0 / geometry.size[2] as f64));
+            pixels.push(brute_force(scene, volume, &lights, &samples, length, 1.0 / last_plane));
         }
     }
     BaseRendering { width, height, pixels, samples: count }
@@ -179,7 +194,7 @@ fn every_mode_on_the_base_plane_is_its_definition() {
                         (expected.width, expected.height, expected.samples)
                     );
                     let error = largest_difference(&got.pixels, &expected.pixels);
-                    assert!(error < 1e-13, "{} {interpolation:?}: {error}", scene.mode);
+                    assert!(error < 1e-11, "{} {interpolation:?}: {error}", scene.mode);
                     let seen = got.pixels.iter().filter(|pixel| pixel[3] > 0.0).count();
                     assert!(seen > 4, "{} shows nothing", scene.mode);
                 }
@@ -233,6 +248,7 @@ fn every_mode_in_image_order_is_its_definition() {
         let per_voxel = DVec3::from(spacing) / smallest;
         let last = DVec3::from(volume.dims.map(|n| (n - 1) as f64));
         for scene in scenes_and_eyes() {
+            let in_perspective = scene.view.perspective.is_some();
             let view = scene.view.frame().unwrap();
             let plane = ImagePlane::new(&scene, &view, volume.dims, spacing);
             let machine = geometry(&volume, &scene);
@@ -245,18 +261,27 @@ fn every_mode_in_image_order_is_its_definition() {
                     let (origin, along) = plane.ray(column as f64, row as f64);
                     let (origin, along) = (origin / DVec3::from(spacing), along.normalize());
                     let direction = along / per_voxel;
-                    let (a, b) = (-origin / direction, (last - origin) / direction);
-                    let (mut enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+                    let range = if in_perspective { [0.0, 60.0] } else { [-30.0, 30.0] };
                     // What a ray of this direction sees in a parallel view, and what its steps weigh there.
                     let lights = resolve_lights(&scene, &ViewFrame { direction: along, ..view });
-                    let mut sum = step_voxel / step_length(&machine, spacing) / machine.size[2] as f64;
-                    if scene.view.perspective.is_some() {
-                        enter = enter.max(0.0);
-                        sum = step_voxel * direction[major].abs() / volume.dims[major] as f64;
+                    let mut sum = step_voxel / step_length(&machine, spacing) / (machine.size[2] - 1) as f64;
+                    if in_perspective {
+                        sum = step_voxel * direction[major].abs() / last[major];
                     }
                     let mut samples = Vec::new();
-                    let mut t = enter;
-                    while t <= leave {
+                    let mut places = Vec::new();
+                    if let Some([enter, leave]) = stretch(&scene, volume.dims, origin, direction, range) {
+                        let steps = (leave - enter) / step_voxel;
+                        places = (0..)
+                            .map(f64::from)
+                            .take_while(|&i| i < steps - 1e-9)
+                            .map(|i| i * step_voxel + enter)
+                            .collect();
+                        places.push(leave);
+                    }
+                    for (i, &t) in places.iter().enumerate() {
+                        let before = if i == 0 { 0.0 } else { t - places[i - 1] };
+                        let behind = places.get(i + 1).map_or(0.0, |next| next - t);
                         let at = (origin + direction * t).clamp(DVec3::ZERO, last);
                         let beside =
                             |axis: DVec3| trilinear(&volume, 3.0, at + axis) - trilinear(&volume, 3.0, at - axis);
@@ -265,8 +290,8 @@ fn every_mode_in_image_order_is_its_definition() {
                             position: at.to_array(),
                             gradient: DVec3::new(beside(DVec3::X), beside(DVec3::Y), beside(DVec3::Z)) * 0.5
                                 / per_voxel,
+                            part: (before + behind) / 2.0 / step_voxel,
                         });
-                        t = enter + samples.len() as f64 * step_voxel;
                     }
                     let pixel = brute_force(&scene, &volume, &lights, &samples, step_voxel, sum);
                     expected.push(over(pixel, scene.background));

@@ -31,6 +31,7 @@ mod perspective;
 mod phong;
 mod piecewise;
 mod scene;
+mod thickness;
 mod transfer;
 mod unit_vector;
 mod view;

@@ -3,7 +3,7 @@
 
 use cube3_host::{Geometry, RaySlots, TemplateRule, canonical, largest_offset, slope_register};
 use cube3_scene::{Image, Scene, View};
-use cube3_volume::Volume;
+use cube3_volume::{Volume, thick_dims};
 use glam::DVec3;
 
 /// Fraction bits of weights and offset: the default machine's.
@@ -15,7 +15,7 @@ pub fn geometry_along(volume: &Volume, direction: DVec3, rule: TemplateRule, off
     let slopes = view.slopes.map(slope_register);
     let wanted = (offset * f64::from(1 << WEIGHT_BITS)) as u32;
     let offset = wanted.min(largest_offset(rule, slopes, WEIGHT_BITS));
-    let size = view.axes.permute(volume.dims);
+    let size = view.axes.permute(thick_dims(volume.dims));
     Geometry::new(size, view.axes, slopes, offset, WEIGHT_BITS, rule, RaySlots::Wrapped)
 }
 
@@ -54,6 +54,40 @@ pub fn scene_along(direction: [f64; 3]) -> Scene {
 /// A picture of one voxel a pixel.
 pub fn one_voxel_a_pixel(width_px: u32, height_px: u32) -> Image {
     Image { width_px, height_px, pixel_size_voxel: Some(1.0) }
+}
+
+/// Where the line `origin + t·direction`, in voxels, is in the box of voxel centres, the crop box and the cuts, for t in `range`: what is
+/// least inside is concave along a line, so that its top is found by thirds, and the two ends by halves.
+pub fn stretch(scene: &Scene, dims: [usize; 3], origin: DVec3, direction: DVec3, range: [f64; 2]) -> Option<[f64; 2]> {
+    let mut faces: Vec<(DVec3, DVec3)> = Vec::new();
+    for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+        faces.push((-axis, DVec3::ZERO));
+        faces.push((axis, DVec3::from(dims.map(|n| (n - 1) as f64))));
+        if let Some(crop) = &scene.crop {
+            faces.push((-axis, crop.min_voxel.into()));
+            faces.push((axis, crop.max_voxel.into()));
+        }
+    }
+    faces.extend(scene.cuts.iter().map(|cut| (DVec3::from(cut.normal), DVec3::from(cut.through_voxel))));
+    let inside = |t: f64| {
+        let at = origin + direction * t;
+        faces.iter().map(|(out, on)| out.dot(*on - at)).fold(f64::INFINITY, f64::min)
+    };
+    let [mut from, mut to] = range;
+    for _ in 0..200 {
+        let third = (to - from) / 3.0;
+        if inside(from + third) < inside(to - third) { from += third } else { to -= third }
+    }
+    let top = f64::midpoint(from, to);
+    let end = |mut beyond: f64| {
+        let mut there = top;
+        for _ in 0..200 {
+            let middle = f64::midpoint(there, beyond);
+            if inside(middle) >= 0.0 { there = middle } else { beyond = middle }
+        }
+        there
+    };
+    (inside(top) >= -1e-12).then(|| range.map(end))
 }
 
 /// The paper's error: mean Euclidean distance in RGB over √3, in percent.
