@@ -41,6 +41,8 @@ pub fn machine(name: &str) -> Outcome<MachineSpec> {
 pub struct LoadedVolume {
     /// Where it comes from, for the report.
     pub source: String,
+    /// Which of x, y, z have a single voxel; data and words have two equal ones there ([`Volume::thickened`]).
+    pub single: [bool; 3],
     /// The data; masked voxels have the value of word 0.
     pub data: Volume,
     /// The machine's words.
@@ -53,6 +55,11 @@ impl LoadedVolume {
     /// What the host needs to know.
     pub fn info(&self) -> VolumeInfo {
         VolumeInfo { dims: self.words.dims, spacing: self.words.spacing, window: self.words.window }
+    }
+
+    /// Voxels along x, y, z as they came in.
+    pub fn dims(&self) -> [usize; 3] {
+        [0, 1, 2].map(|i| if self.single[i] { 1 } else { self.words.dims[i] })
     }
 }
 
@@ -107,6 +114,8 @@ pub fn to_words(
         },
         non_finite: if mask { NonFiniteRule::Mask } else { NonFiniteRule::Refuse },
     };
+    let single = data.dims.map(|n| n == 1);
+    let data = if single.contains(&true) { data.thickened().into_owned() } else { data };
     let (words, conversion) = data.to_words(machine.words.voxel_bits, &conversion)?;
     let data = if conversion.masked > 0 {
         let low = words.window[0];
@@ -114,7 +123,7 @@ pub fn to_words(
     } else {
         data
     };
-    Ok(LoadedVolume { source, data, words, conversion })
+    Ok(LoadedVolume { source, single, data, words, conversion })
 }
 
 /// Refuses what would not fit into memory, before any is taken: pictures, base plane, and the planes between the units. `cycle` is

@@ -19,6 +19,7 @@ pub mod output;
 pub mod problem;
 pub mod progress;
 pub mod record;
+pub mod reference;
 pub mod resources;
 pub mod rtl_frame;
 pub mod run;

@@ -10,6 +10,7 @@ use crate::limits;
 use crate::machine::{Machine, Overflows, RunCounters};
 use crate::problem::{Outcome, Problem};
 use crate::progress::Progress;
+use crate::reference::{self, Reference, check_reference, reference_error, reference_picture};
 use crate::resources;
 use cube3_cfb::memory::MemoryCounters;
 use cube3_channel::Reason;
@@ -18,7 +19,6 @@ use cube3_host::{
     warp_passes,
 };
 use cube3_metrics::{Picture, compare, difference, footprint, suggested_factor};
-use cube3_raycast::{DiscreteOptions, ImageOrderOptions, image_order, sheared, true_3d};
 use cube3_report::{
     ChannelReport, DigestReport, ErrorReport, LeftOut, MemoryTraffic, PassReport, PerspectiveReport, PlanReport,
     Program, RunReport, SCHEMA, SequenceReport, TimingCounts, TrafficReport, UnitReport, ViewReport, VolumeReport,
@@ -53,32 +53,6 @@ impl Runs {
     }
 }
 
-/// What the picture is measured against.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Reference {
-    /// Rays from image pixels, uniform steps of a voxel, exact interpolation.
-    #[default]
-    ImageOrder,
-    /// The machine's sample positions, exact interpolation.
-    True,
-    /// The machine's interpolation in reals.
-    Sheared,
-    /// Nothing.
-    None,
-}
-
-impl Reference {
-    /// The name on the command line and in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Reference::ImageOrder => "image-order",
-            Reference::True => "true",
-            Reference::Sheared => "sheared",
-            Reference::None => "none",
-        }
-    }
-}
-
 /// How a frame is run.
 #[derive(Clone, Copy, Debug)]
 pub struct RunOptions {
@@ -94,7 +68,7 @@ pub struct RunOptions {
 
 impl Default for RunOptions {
     fn default() -> Self {
-        RunOptions { runs: Runs::Both, reference: Reference::ImageOrder, plan: true, seed: 0 }
+        RunOptions { runs: Runs::Both, reference: Reference::default(), plan: true, seed: 0 }
     }
 }
 
@@ -163,9 +137,11 @@ pub fn run_frame_with(
     stops: &Stops,
 ) -> Outcome<RunResult> {
     let total = Progress::new("total");
+    let as_asked = scene;
+    let scene = &*scene.thickened(volume.single);
     let frames = picture_setup(scene, machine, &volume.info(), options.plan)?;
     check_reference(options.reference, &frames)?;
-    let run = run_machine(&frames, machine, volume, options, stops)?;
+    let mut run = run_machine(&frames, machine, volume, options, stops)?;
     let mut pictures = Pictures::default();
     let mut digest = DigestReport::default();
     if let Some(bases) = &run.bases {
@@ -176,15 +152,18 @@ pub fn run_frame_with(
         _ if pictures.image.is_none() => (None, None),
         reference => {
             let progress = Progress::new("reference");
-            let picture = reference_picture(reference, scene, machine, volume, &frames, &progress)?;
+            let picture = reference_picture(reference, scene, machine, volume, &frames, false, &progress)?;
             let seconds = progress.finish();
-            let error = measure(reference, scene, &frames, volume, picture, &mut pictures)?;
+            let own = reference_error(reference, scene, volume, &picture)?;
+            let mut error = measure(reference, scene, &frames, volume, picture, &mut pictures)?;
+            run.told.extend(reference::note(own.as_ref(), error.footprint.error.mean_relative));
+            error.reference = own;
             (Some(error), Some(seconds))
         }
     };
     let samples = frames.setups.iter().map(|setup| setup.geometry.sample_count()).sum();
     let wall = WallReport { reference_s, total_s: Some(total.finish()), ..run.wall(samples) };
-    let asked = Asked { scene, machine, volume, options };
+    let asked = Asked { scene: as_asked, machine, volume, options };
     let found = Found { frames: 1, incoming: None, interval: None, samples, error, digest, wall, sequence: None };
     let report = asked.report(&frames, &run, found)?;
     let mut told = run.told;
@@ -237,7 +216,7 @@ impl Asked<'_> {
             machine: serde_json::to_value(machine)?,
             volume: VolumeReport {
                 source: volume.source.clone(),
-                dims: volume.words.dims,
+                dims: volume.dims(),
                 spacing: volume.words.spacing,
                 conversion: volume.conversion.to_string().into(),
             },
@@ -292,17 +271,6 @@ pub(crate) fn show(
     };
     let base_plane = side_by_side(bases, scene.background)?;
     Ok((Pictures { image: Some(image), base_plane, ..Pictures::default() }, digest))
-}
-
-/// The references that take the machine's own sample positions know parallel ones only.
-pub(crate) fn check_reference(reference: Reference, frames: &PictureFrames) -> Outcome<()> {
-    match reference {
-        Reference::True | Reference::Sheared if frames.eye_voxel.is_some() => Err(Problem::new(format!(
-            "the reference \"{}\" is for parallel views; in perspective give \"image-order\" or \"none\"",
-            reference.name()
-        ))),
-        _ => Ok(()),
-    }
 }
 
 fn run_machine(
@@ -458,40 +426,6 @@ pub(crate) fn notes(scene: &Scene, volume: &LoadedVolume, bases: Option<&[BasePl
 /// Raw pixels of a base plane: each word as 32 bits, little-endian.
 fn bytes(base: &BasePlane) -> Vec<u8> {
     base.pixels.iter().flatten().flat_map(|word| word.to_le_bytes()).collect()
-}
-
-pub(crate) fn reference_picture(
-    reference: Reference,
-    scene: &Scene,
-    machine: &MachineSpec,
-    volume: &LoadedVolume,
-    frames: &PictureFrames,
-    progress: &Progress,
-) -> Outcome<Picture> {
-    let border = volume.words.window[0];
-    let plane = &frames.plane;
-    let geometry = frames.setups.first().map(|setup| &setup.geometry);
-    let rows = match (reference, geometry) {
-        (Reference::True | Reference::Sheared, Some(geometry)) => geometry.base_plane_size()[1],
-        _ => plane.height,
-    } as u64;
-    let report = |done: u64| progress.set(done, rows);
-    let discrete = DiscreteOptions { gradient: machine.abc.gradient, border };
-    let (base, geometry) = match (reference, geometry) {
-        (Reference::True, Some(geometry)) => {
-            (true_3d(&volume.data, scene, geometry, &discrete, Some(&report))?, geometry)
-        }
-        (Reference::Sheared, Some(geometry)) => {
-            (sheared(&volume.data, scene, geometry, &discrete, Some(&report))?, geometry)
-        }
-        _ => {
-            let options = ImageOrderOptions { border, ..ImageOrderOptions::default() };
-            let rendering = image_order(&volume.data, scene, &options, Some(&report))?;
-            return Ok(Picture::new(rendering.width, rendering.height, rendering.pixels)?);
-        }
-    };
-    let pixels = base.warp(geometry, plane, volume.data.spacing, scene.background);
-    Ok(Picture::new(plane.width, plane.height, pixels)?)
 }
 
 /// The picture against its reference; both and their difference are then among the pictures.

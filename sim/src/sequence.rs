@@ -17,10 +17,8 @@ use crate::inputs::{self, LoadedVolume};
 use crate::machine::{Machine, Overflows, RunCounters};
 use crate::problem::{Outcome, Problem};
 use crate::progress::{Progress, Waiting};
-use crate::run::{
-    Asked, Found, MachineRun, Pictures, Reference, RunOptions, RunResult, Runs, check_reference, function, measure,
-    notes, reference_picture, show,
-};
+use crate::reference::{self, Reference, check_reference, reference_error, reference_picture};
+use crate::run::{Asked, Found, MachineRun, Pictures, RunOptions, RunResult, Runs, function, measure, notes, show};
 use cube3_cfb::{AcquisitionPort, PortSpec};
 use cube3_host::{AcquisitionMode, BasePlane, FrameSetup, MachineSpec, PictureFrames, picture_setup};
 use cube3_metrics::{ImageError, Picture, compare};
@@ -192,7 +190,8 @@ pub fn run_sequence(
     let first = Arc::clone(&series.first);
     let moves = series.count() != Some(1);
     check_memory(scene, machine, series, frames, options)?;
-    let views: Vec<Scene> = (0..frames).map(|frame| scene_at(scene, frame, frames)).collect();
+    let views: Vec<Scene> =
+        (0..frames).map(|frame| scene_at(scene, frame, frames).thickened(first.single).into_owned()).collect();
     let set_up = |frame: usize| {
         Ok::<PictureFrames, Problem>(picture_setup(&views[frame], machine, &first.info(), options.plan)?)
     };
@@ -274,10 +273,13 @@ pub fn run_sequence(
             if options.reference != Reference::None {
                 let expected = series.volume(mixture.oldest)?;
                 let waiting = Progress::new("reference");
-                let picture = reference_picture(options.reference, view, machine, &expected, &frame, &waiting)?;
+                let picture = reference_picture(options.reference, view, machine, &expected, &frame, false, &waiting)?;
                 *reference_s.get_or_insert(0.0) += waiting.finish();
                 if index == 0 {
-                    let report = measure(options.reference, view, &frame, &expected, picture, &mut shown)?;
+                    let own = reference_error(options.reference, view, &expected, &picture)?;
+                    let mut report = measure(options.reference, view, &frame, &expected, picture, &mut shown)?;
+                    run.told.extend(reference::note(own.as_ref(), report.footprint.error.mean_relative));
+                    report.reference = own;
                     error = Some(report.whole);
                     first_error = Some(report);
                 } else {
@@ -357,8 +359,9 @@ pub fn run_sequence(
     let mut report = asked.report(&frame, &run, found)?;
     report.words.overflows.insert("voxel".into(), series.clipped.values().sum());
     let seen = frame.setups.iter().map(|setup| setup.geometry.sample_count()).sum();
-    let notes = notes(scene, &first, run.bases.as_deref(), seen);
-    Ok(RunResult { report, pictures, notes, counters: run.counters })
+    let mut told = run.told;
+    told.extend(notes(scene, &first, run.bases.as_deref(), seen));
+    Ok(RunResult { report, pictures, notes: told, counters: run.counters })
 }
 
 /// The scene of one frame: its view is where the path is then.

@@ -1,7 +1,8 @@
 //! The study of word lengths: what theory says of errors, and that tables, fronts and files are what they claim.
 
 use cube3::inputs::{self, LoadedVolume};
-use cube3::run::{Reference, RunOptions, Runs, run_frame};
+use cube3::reference::Reference;
+use cube3::run::{RunOptions, Runs, run_frame};
 use cube3::words_study::picture::{Aim, LEVELS, SceneCase};
 use cube3::words_study::sweeps::{Base, Row, Sweep, shortest, thin};
 use cube3::words_study::thin::ThinCase;

@@ -4,13 +4,12 @@
 //! to z before y before x. Each pass is a frame of its own with its own base plane, and the warp joins them.
 
 use crate::perspective::Perspective;
-use crate::setup::{check_perspective, checked_view, registers};
+use crate::setup::{check_perspective, checked_view, registers, wanted_offset};
 use crate::{
     Axes, Fan, FrameSetup, Geometry, HostError, ImagePlane, LeftOut, MachineSpec, PassShape, VolumeInfo, canonical,
     frame_setup,
 };
 use cube3_scene::{Scene, ViewFrame};
-use cube3_word::quantise_fraction;
 
 /// The frames of a picture as the host has set them up.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,7 +47,7 @@ pub fn picture_setup(
     check_perspective(scene, machine)?;
     let given = scene.view.perspective.and_then(|perspective| perspective.eye_voxel);
     let eye = given.unwrap_or([0, 1, 2].map(|i| eye_world[i] / volume.spacing[i]));
-    let offset = quantise_fraction(machine.rays.offset, machine.words.weight_bits);
+    let offset = wanted_offset(scene, machine);
     let mut frames = PictureFrames { setups: Vec::new(), view, plane, eye_voxel: Some(eye), left_out: Vec::new() };
     for axes in passes(&plane, &view, volume) {
         let size = axes.permute(volume.dims);

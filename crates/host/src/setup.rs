@@ -127,7 +127,7 @@ pub struct LeftOut {
 /// A view without a direction, and volumes too large for the registers.
 pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, plan: bool) -> Result<Frame, HostError> {
     let view = checked_view(scene, volume)?;
-    let geometry = geometry(machine, volume, &view);
+    let geometry = geometry(scene, machine, volume, &view);
     let (setup, left_out) = registers(scene, machine, volume, plan, &view, geometry);
     Ok(Frame { setup, view, left_out })
 }
@@ -417,12 +417,18 @@ fn lights_matter(mode: Mode) -> bool {
     matches!(mode, Mode::Composite | Mode::FirstOpaque | Mode::LastOpaque)
 }
 
-fn geometry(machine: &MachineSpec, volume: &VolumeInfo, view: &ViewFrame) -> Geometry {
+/// The sample offset that is asked for, a fraction of the weight bits. Where the largest or smallest value counts it is 0: between two planes a
+/// lerp only comes nearer to the mean, and halfway a single bright voxel is half as bright.
+pub(crate) fn wanted_offset(scene: &Scene, machine: &MachineSpec) -> u32 {
+    let offset = if scene.mode.chooses_a_value() { 0.0 } else { machine.rays.offset };
+    quantise_fraction(offset, machine.words.weight_bits)
+}
+
+fn geometry(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, view: &ViewFrame) -> Geometry {
     let canonical = canonical(view.direction, volume.spacing);
     let slopes = canonical.slopes.map(slope_register);
     let bits = machine.words.weight_bits;
-    let wanted = quantise_fraction(machine.rays.offset, bits);
-    let offset = wanted.min(largest_offset(machine.rays.template, slopes, bits));
+    let offset = wanted_offset(scene, machine).min(largest_offset(machine.rays.template, slopes, bits));
     let size = canonical.axes.permute(volume.dims);
     Geometry::new(size, canonical.axes, slopes, offset, bits, machine.rays.template, machine.rays.slots)
 }
@@ -555,10 +561,24 @@ fn canonical_plane(geometry: &Geometry, normal: [f64; 3], through: [f64; 3]) -> 
     (normal, constant)
 }
 
+/// How far beside a face, in voxels, a sample counts as on it: more than the registers round by.
+const ON_FACE: f64 = 1.0 / 65536.0;
+
+/// The half-spaces of cuts and crop box.
+///
+/// Where samples stand for whole steps and are added up, a sample on a face through which the ray enters is kept, and one on a face through
+/// which it leaves is not: its step lies behind. So between two faces there are as many samples at every offset.
 fn clips(scene: &Scene, geometry: &Geometry) -> Vec<HalfSpace> {
     let half_space = |outward: [f64; 3], through: [f64; 3]| {
         let (normal, constant) = canonical_plane(geometry, outward.map(|x| -x), through);
-        HalfSpace { distance: linear(geometry, normal, constant, HalfSpace::FRACTION_BITS) }
+        let along = match &geometry.perspective {
+            None => linear(geometry, normal, 0.0, HalfSpace::FRACTION_BITS).k,
+            // A face across the rays alone is entered or left by all of them.
+            Some(_) if normal[0] == 0.0 && normal[1] == 0.0 => normal[2].signum() as i64,
+            Some(_) => 0,
+        };
+        let kept = if scene.mode.adds_up() { along.signum() as f64 * ON_FACE } else { 0.0 };
+        HalfSpace { distance: linear(geometry, normal, constant + kept, HalfSpace::FRACTION_BITS) }
     };
     let mut clips = Vec::new();
     for cut in &scene.cuts {

@@ -1,7 +1,8 @@
 //! The casters on the base plane: the machine's rays and samples in reals.
 //!
 //! A sample stands for half of the way to the sample before it and to the one behind; the first of a ray for all of the ray that lies before,
-//! and the last for all that lies behind. So the samples of a ray stand for its length exactly.
+//! and the last for all that lies behind. So the samples of a ray stand for its length exactly. [`DiscreteOptions::whole_steps`] takes each
+//! for a whole step instead, as the published machine does.
 
 use crate::check::{check_geometry, check_volume};
 use crate::gradient::Estimator;
@@ -12,7 +13,7 @@ use crate::span::{Drawn, ON_FACE};
 use crate::voxels::Voxels;
 use crate::{BaseRendering, Interpolation, Progress, RaycastError};
 use cube3_host::{DiscreteRay, Geometry, GradientMethod, step_length};
-use cube3_scene::{ResolvedLight, Scene, resolve_lights};
+use cube3_scene::{Mode, ResolvedLight, Scene, resolve_lights};
 use cube3_volume::{Sample, Volume, with_samples};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -27,12 +28,14 @@ pub struct DiscreteOptions {
     pub gradient: GradientMethod,
     /// Value of the samples beyond the volume, for gradients: what the machine's voxel word 0 stands for.
     pub border: f64,
+    /// Every sample stands for a whole step, and in a weighted sum for one plane of n_w, as with the machine's `rays.ends = "published"`.
+    pub whole_steps: bool,
 }
 
 impl Default for DiscreteOptions {
-    /// The paper's choice, 12 neighbours, and 0.
+    /// The paper's choice, 12 neighbours; border 0; rays of their own length.
     fn default() -> Self {
-        DiscreteOptions { gradient: GradientMethod::Twelve, border: 0.0 }
+        DiscreteOptions { gradient: GradientMethod::Twelve, border: 0.0, whole_steps: false }
     }
 }
 
@@ -99,14 +102,15 @@ pub fn discrete(
         .collect();
     let weights = StepWeights {
         length: step_length(geometry, volume.spacing),
-        sum: 1.0 / (geometry.size[2] - 1) as f64,
+        sum: 1.0 / (geometry.size[2] - usize::from(!options.whole_steps)) as f64,
         stop_below: 0.0,
     };
     let integrator = Integrator::new(scene, volume, &view, lights, weights);
     let neighbours = Integrator::reads_gradients(scene);
     let rows = RowCount::new(progress);
-    let drawn = Drawn::new(scene, volume.dims);
-    let caster = Caster { geometry, drawn, estimator: &estimator, integrator, neighbours, rows: &rows };
+    let drawn = if options.whole_steps { Drawn::clips(scene) } else { Drawn::new(scene, volume.dims) };
+    let whole_steps = options.whole_steps.then_some(scene.mode);
+    let caster = Caster { geometry, drawn, whole_steps, estimator: &estimator, integrator, neighbours, rows: &rows };
     let pixels = with_samples!(&volume.samples, v => {
         let voxels = Voxels::new(v, volume.dims, geometry);
         caster.cast(&Sampler::new(geometry, voxels, interpolation, options.border))
@@ -118,6 +122,8 @@ pub fn discrete(
 struct Caster<'a> {
     geometry: &'a Geometry,
     drawn: Drawn,
+    /// The mode, where every sample stands for a whole step.
+    whole_steps: Option<Mode>,
     estimator: &'a Estimator,
     integrator: Integrator<'a>,
     /// Whether gradients are read.
@@ -196,11 +202,17 @@ impl Caster<'_> {
         let mut before: Option<usize> = None;
         for k in 0..parts.len() {
             let depth = |k: usize| k as f64 + self.geometry.real_offset();
-            let drawn = span.filter(|[enter, leave]| (enter - ON_FACE..=leave + ON_FACE).contains(&depth(k)));
+            // A sample that stands for the step behind it is not on a face where the ray leaves.
+            let end = if self.whole_steps.is_some_and(Mode::adds_up) { -ON_FACE } else { ON_FACE };
+            let drawn = span.filter(|[enter, leave]| (enter - ON_FACE..=leave + end).contains(&depth(k)));
             let (Some([enter, leave]), Some(_)) = (drawn, parts[k]) else {
                 parts[k] = None;
                 continue;
             };
+            if self.whole_steps.is_some() {
+                parts[k] = Some(1.0);
+                continue;
+            }
             // All that is left, until there is another one behind.
             let mut from = enter;
             if let Some((before, part)) = before.and_then(|k| Some((k, parts[k].as_mut()?))) {

@@ -36,6 +36,16 @@ impl Drawn {
         Drawn { low, high, cuts }
     }
 
+    /// Crop box and cut planes alone, whatever the volume.
+    pub fn clips(scene: &Scene) -> Drawn {
+        let unbounded = Drawn { low: [f64::NEG_INFINITY; 3], high: [f64::INFINITY; 3], cuts: Vec::new() };
+        let Drawn { cuts, .. } = Drawn::new(scene, [2; 3]);
+        let Some(crop) = &scene.crop else {
+            return Drawn { cuts, ..unbounded };
+        };
+        Drawn { low: crop.min_voxel, high: crop.max_voxel, cuts }
+    }
+
     /// The parameters at which the line `origin + t·direction`, in voxels, enters and leaves; none where it does not meet what is drawn.
     pub fn span(&self, origin: [f64; 3], direction: [f64; 3]) -> Option<[f64; 2]> {
         let [mut enter, mut leave] = [f64::NEG_INFINITY, f64::INFINITY];

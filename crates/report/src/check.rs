@@ -79,6 +79,9 @@ impl RunReport {
         if let Some(error) = &self.error {
             finite_error("error", &error.whole)?;
             finite_error("error.footprint", &error.footprint.error)?;
+            if let Some(own) = &error.reference {
+                finite_error("error.reference", &own.error)?;
+            }
             finite("error.gradient_mean_deg", error.gradient_mean_deg.unwrap_or(0.0))?;
             finite("error.difference_factor", error.difference_factor)?;
         }

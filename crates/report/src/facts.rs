@@ -122,6 +122,9 @@ pub(crate) fn errors(error: &ErrorReport) -> Vec<(&'static str, [String; 2])> {
         ("PSNR", both(|e| psnr(e.psnr_db))),
         ("Pixels off by more than 1/255", both(|e| percentage(e.fraction_off))),
     ];
+    if let Some(own) = &error.reference {
+        rows.push(("The reference's own, at half its step", [String::new(), percentage(own.error.mean_relative)]));
+    }
     if let Some(angle) = error.gradient_mean_deg {
         rows.push(("Mean gradient angle", [String::new(), format!("{}°", number(angle))]));
     }

@@ -35,8 +35,8 @@ pub use resources_report::{
 };
 pub use run_report::{
     ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, PassReport, PerspectiveReport, PlanReport,
-    Program, RunReport, SCHEMA, TimingCounts, TimingReport, UnitReport, ViewReport, VolumeReport, WallReport,
-    WordsReport,
+    Program, ReferenceError, RunReport, SCHEMA, TimingCounts, TimingReport, UnitReport, ViewReport, VolumeReport,
+    WallReport, WordsReport,
 };
 pub use sequence::{AcquisitionReport, FrameReport, SequenceReport};
 pub use table::table;

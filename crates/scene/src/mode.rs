@@ -36,6 +36,16 @@ impl Mode {
         self as u32
     }
 
+    /// Whether a pixel adds up what lies along its ray, so that each sample stands for a length.
+    pub const fn adds_up(self) -> bool {
+        matches!(self, Mode::Composite | Mode::WeightedSum)
+    }
+
+    /// Whether a pixel shows the largest or the smallest value along its ray.
+    pub const fn chooses_a_value(self) -> bool {
+        matches!(self, Mode::Maximum | Mode::Minimum)
+    }
+
     /// The name of the mode in files and on the command line.
     pub const fn name(self) -> &'static str {
         match self {

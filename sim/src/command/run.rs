@@ -6,7 +6,8 @@ use crate::clocked::{Stops, TraceRequest};
 use crate::inputs::{self, LoadedVolume};
 use crate::output::{SequenceFiles, write_run, write_whole};
 use crate::problem::{Outcome, Problem};
-use crate::run::{Reference, RunOptions, Runs, run_frame_with};
+use crate::reference::Reference;
+use crate::run::{RunOptions, Runs, run_frame_with};
 use crate::sequence::{MOST_FRAMES, Series, Shown, run_sequence};
 use crate::topology::Drawing;
 use crate::trace::{Format, Window};
@@ -87,9 +88,9 @@ pub struct RunArguments {
     /// Which runs are made; "both" is timing and function side by side.
     #[arg(long, value_enum, default_value_t)]
     fidelity: FidelityArgument,
-    /// What the picture is measured against.
-    #[arg(long, value_enum, default_value_t)]
-    reference: ReferenceArgument,
+    /// What the picture is measured against: image-order in steps of half a voxel or of :STEP voxels, true, sheared or none.
+    #[arg(long, value_name = "NAME[:STEP]", default_value = "image-order")]
+    reference: Reference,
     /// Run every unit, also those that cannot change the picture.
     #[arg(long)]
     no_plan: bool,
@@ -138,15 +139,6 @@ enum FidelityArgument {
     Timing,
     Function,
     Cycle,
-}
-
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-enum ReferenceArgument {
-    #[default]
-    ImageOrder,
-    True,
-    Sheared,
-    None,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -218,12 +210,7 @@ impl RunArguments {
                 FidelityArgument::Function => Runs::Function,
                 FidelityArgument::Cycle => Runs::Cycle,
             },
-            reference: match self.reference {
-                ReferenceArgument::ImageOrder => Reference::ImageOrder,
-                ReferenceArgument::True => Reference::True,
-                ReferenceArgument::Sheared => Reference::Sheared,
-                ReferenceArgument::None => Reference::None,
-            },
+            reference: self.reference,
             plan: !self.no_plan,
             seed: self.seed,
         };
@@ -231,7 +218,8 @@ impl RunArguments {
             let started = |volume: &LoadedVolume| {
                 let [x, y, z] = volume.words.dims;
                 inputs::check_memory(&scene, &machine, [x, y, z], options.runs == Runs::Cycle, &read)?;
-                print(&format!("{}: {x} × {y} × {z}\n{}\n", volume.source, volume.conversion))
+                let [nx, ny, nz] = volume.dims();
+                print(&format!("{}: {nx} × {ny} × {nz}\n{}\n", volume.source, volume.conversion))
             };
             let Some(frames) = self.frames.map(|frames| frames as usize) else {
                 let volume = inputs::volume(&scene, &machine, &read, self.mask_non_finite)?;

@@ -254,6 +254,7 @@ impl VectorsArguments {
         let mut machine = self.scene.machine(&self.unit.machine)?;
         let read = ReadOptions::default();
         let volume = inputs::volume(&scene, &machine, &read, false)?;
+        let scene = scene.thickened(volume.single);
         inputs::check_memory(&scene, &machine, volume.words.dims, true, &read)?;
         make_folder(&self.out, "--out")?;
         let (dims, voxels) = (volume.words.dims, &volume.words.words);

@@ -70,6 +70,7 @@ impl WordsArguments {
             let read = ReadOptions::default();
             let volume = inputs::volume(&scene, &machine, &read, false)?;
             inputs::check_memory(&scene, &machine, volume.words.dims, false, &read)?;
+            let scene = scene.thickened(volume.single);
             let _waiting = Waiting::new("word lengths");
             study(&scene, &machine, &volume, &options)
         })?;

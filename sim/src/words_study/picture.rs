@@ -8,7 +8,7 @@ use crate::gradient_error::Samples;
 use crate::inputs::LoadedVolume;
 use crate::problem::{Outcome, Problem};
 use crate::progress::Progress;
-use crate::run::{Reference, check_reference, reference_picture};
+use crate::reference::{Reference, check_reference, reference_picture};
 use cube3_abc::golden::{gradient, normalise};
 use cube3_host::{Basis, DiscreteRay, FrameSetup, MachineSpec, PictureFrames, picture_setup, step_length, warp_passes};
 use cube3_metrics::{Picture, compare, footprint, mean_angle_deg};
@@ -199,7 +199,7 @@ impl<'a> SceneCase<'a> {
             let frames = self.frames(design)?;
             let progress = Progress::new("reference");
             let picture =
-                reference_picture(Reference::Sheared, self.scene, self.machine, self.volume, &frames, &progress)?;
+                reference_picture(Reference::Sheared, self.scene, self.machine, self.volume, &frames, true, &progress)?;
             progress.finish();
             let points = match frames.setups.first() {
                 Some(setup) if setup.gradient.is_some() => points(self.scene, self.machine, self.volume, setup)?,
