@@ -1,7 +1,8 @@
 //! The default run against the reference in `traces/`: bits and cycles do not change unnoticed, in either fidelity.
 
 use cube3::inputs;
-use cube3::run::{Reference, RunOptions, Runs, run_frame};
+use cube3::reference::Reference;
+use cube3::run::{RunOptions, Runs, run_frame};
 use cube3_scene::Scene;
 use cube3_volume::ReadOptions;
 use serde_json::Value;

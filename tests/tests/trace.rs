@@ -3,7 +3,8 @@
 use cube3::clocked::{Stops, TraceRequest};
 use cube3::inputs;
 use cube3::machine::{CHANNELS, Machine, RunCounters, UNITS};
-use cube3::run::{Reference, RunOptions, Runs, run_frame_with};
+use cube3::reference::Reference;
+use cube3::run::{RunOptions, Runs, run_frame_with};
 use cube3::trace::{Events, Format, Recorder, Recording, Token, TokenKind, Window};
 use cube3_channel::{Account, Activity};
 use cube3_host::{FrameSetup, Frames, MachineSpec, frame_setup};
