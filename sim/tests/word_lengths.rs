@@ -8,7 +8,9 @@ use cube3::words_study::sweeps::{Base, Row, Sweep, shortest, thin};
 use cube3::words_study::thin::ThinCase;
 use cube3::words_study::wire::{Design, Order, Variant, Wire, widest};
 use cube3::words_study::{Options, Study, csv, front, json, page, plots, study};
-use cube3_host::MachineSpec;
+use cube3_host::{MachineSpec, picture_setup};
+use cube3_metrics::{Picture, compare, footprint};
+use cube3_raycast::{DiscreteOptions, sheared};
 use cube3_scene::{Image, Mode, Scene, View, VolumeSource};
 use cube3_volume::{ReadOptions, Volume};
 use cube3_word::{Rounding, Words};
@@ -148,14 +150,21 @@ fn every_sweep_of_wide_words_ends_at_the_widest_design() {
     }
 }
 
-/// The machine's own words have the error that `cube3 run --reference sheared` reports, to the bit.
+/// The machine's own words have the error that a run's picture has against the sheared caster with whole steps, to the bit.
 #[test]
 fn the_machines_own_words_have_the_error_of_a_run() {
     let scene = head(20);
     let (machine, volume) = (MachineSpec::default(), load(&scene));
-    let options = RunOptions { runs: Runs::Function, reference: Reference::Sheared, ..RunOptions::default() };
-    let run = run_frame(&scene, &machine, &volume, &options).unwrap();
-    let expected = run.report.error.unwrap().footprint.error;
+    let options = RunOptions { runs: Runs::Function, reference: Reference::None, ..RunOptions::default() };
+    let image = run_frame(&scene, &machine, &volume, &options).unwrap().pictures.image.unwrap();
+    let frames = picture_setup(&scene, &machine, &volume.info(), true).unwrap();
+    let geometry = &frames.setups[0].geometry;
+    let whole = DiscreteOptions { gradient: machine.abc.gradient, whole_steps: true, ..DiscreteOptions::default() };
+    let base = sheared(&volume.data, &scene, geometry, &whole, None).unwrap();
+    let pixels = base.warp(geometry, &frames.plane, volume.data.spacing, scene.background);
+    let reference = Picture::new(image.width, image.height, pixels).unwrap();
+    let object = footprint(&image, &reference, scene.background).unwrap();
+    let expected = compare(&image, &reference, Some(&object)).unwrap().footprint;
     let row = small().rows.iter().find(|row| row.sweep == Sweep::Machine).unwrap();
     assert_eq!(row.design, Design::of(machine.words, Variant::ALL[0]));
     let image = row.measured.image;

@@ -67,6 +67,22 @@ fn errors(volume: &Volume, yaw_deg: f64) -> [f64; 3] {
     ]
 }
 
+/// The table of figure 14: 0 to 90° by 5°. Each angle takes seconds.
+#[test]
+#[ignore = "a minute; the table of docs/src/validation.md: cargo test --release -p cube3-raycast --test ct_head -- --ignored --nocapture"]
+fn the_ct_head_over_the_papers_whole_range() {
+    let Some(volume) = head() else { return };
+    let table: Vec<[f64; 3]> = (0..=18).map(|step| errors(&volume, 5.0 * f64::from(step))).collect();
+    for (step, [to_true, to_image_order, on_planes]) in table.iter().enumerate() {
+        println!("| {}° | {to_true:.3} | {to_image_order:.3} | {on_planes:.3} |", 5 * step);
+    }
+    assert!(
+        table[9][0] == 0.0 && table[8][0] > 0.0 && table[10][0] > 0.0,
+        "at 45° both interpolate in the plane of voxels"
+    );
+    assert!(table.iter().all(|row| row[0] < 1.0 && row[1] < 1.6), "{table:?}");
+}
+
 #[test]
 fn the_ct_head_has_the_prototypes_errors() {
     let Some(volume) = head() else { return };

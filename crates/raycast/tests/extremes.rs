@@ -32,7 +32,7 @@ fn the_smallest_volumes_are_rendered() {
                         let along = scene.view.frame().unwrap().direction;
                         let geometry = geometry_along(&volume, along, rule, offset);
                         for (gradient, _) in GradientMethod::ALL {
-                            let options = DiscreteOptions { gradient, border: 0.0 };
+                            let options = DiscreteOptions { gradient, border: 0.0, ..DiscreteOptions::default() };
                             for interpolation in [Interpolation::Exact, Interpolation::Sheared] {
                                 let base = discrete(&volume, &scene, &geometry, interpolation, &options, None).unwrap();
                                 assert_sane(base.pixels.into_iter().flatten());
@@ -137,7 +137,7 @@ fn spacings_of_one_to_a_thousand_are_rendered() {
             let geometry = geometry(&volume, &scene);
             for interpolation in [Interpolation::Exact, Interpolation::Sheared] {
                 for (gradient, name) in GradientMethod::ALL {
-                    let options = DiscreteOptions { gradient, border: 0.0 };
+                    let options = DiscreteOptions { gradient, border: 0.0, ..DiscreteOptions::default() };
                     let base = discrete(&volume, &scene, &geometry, interpolation, &options, None).unwrap();
                     assert!(base.pixels.iter().any(|pixel| pixel[3] > 0.0), "{name} {spacing:?}");
                     assert_sane(base.pixels.into_iter().flatten());

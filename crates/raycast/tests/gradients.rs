@@ -105,7 +105,7 @@ fn whole_planes_and_single_rays_have_the_same_samples_to_the_bit() {
         for interpolation in [Interpolation::Exact, Interpolation::Sheared] {
             let rays = RaySamples::new(&volume, &geometry, interpolation, 1.5).unwrap();
             for (gradient, name) in GradientMethod::ALL {
-                let options = DiscreteOptions { gradient, border: 1.5 };
+                let options = DiscreteOptions { gradient, border: 1.5, ..DiscreteOptions::default() };
                 let points = surface_gradients(&volume, &geometry, interpolation, 140.0, &options).unwrap();
                 assert!(points.len() > 60);
                 for point in points {
@@ -131,7 +131,7 @@ fn mean_angle_deg(ramp: f64, yaw_deg: f64, offset: f64, gradient: GradientMethod
     let (volume, centre) = sphere(ramp);
     let direction = View::from_angles(yaw_deg, 0.0).frame().unwrap().direction;
     let geometry = geometry_along(&volume, direction, TemplateRule::SampleFloor, offset);
-    let options = DiscreteOptions { gradient, border: 0.0 };
+    let options = DiscreteOptions { gradient, border: 0.0, ..DiscreteOptions::default() };
     let points = surface_gradients(&volume, &geometry, Interpolation::Sheared, 32767.5, &options).unwrap();
     assert!(points.len() > 1900, "about 26²·π rays meet the sphere");
     let angle = |gradient: DVec3, position: DVec3| gradient.angle_between(centre - position).to_degrees();
@@ -156,6 +156,18 @@ fn the_sphere_has_the_prototypes_errors() {
             assert!((got / expected - 1.0).abs() < 0.15, "{}: {got}, not {expected}", method.name());
         }
     }
+}
+
+/// The raw differences of 10 are over lengths that differ with the angle, so it is 10n whose curve is the paper's flat one.
+#[test]
+fn ten_is_flat_only_where_its_differences_are_over_equal_lengths() {
+    let angles = [0.0, 15.0, 30.0, 45.0];
+    let [raw, normalised] = [GradientMethod::Ten, GradientMethod::TenNormalised]
+        .map(|method| angles.map(|yaw_deg| mean_angle_deg(2.2, yaw_deg, 0.0, method)));
+    println!("10: {raw:.2?}, 10n: {normalised:.2?}");
+    assert_eq!(raw[0], normalised[0], "along an axis all lengths are a voxel");
+    assert!(raw.windows(2).all(|pair| pair[0] < pair[1] + 0.3) && (12.0..13.0).contains(&raw[3]), "{raw:?}");
+    assert!(normalised.iter().all(|angle| (2.5..4.5).contains(angle)), "{normalised:?}");
 }
 
 #[test]

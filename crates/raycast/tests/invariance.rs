@@ -53,7 +53,7 @@ fn the_48_symmetries_of_the_cube_hold_to_the_bit() {
             let scene = Scene { mode, ..scene_along(turn.direction(direction)) };
             let along = scene.view.frame().unwrap().direction;
             let geometry = geometry_along(&volume, along, TemplateRule::SampleFloor, 0.5);
-            let options = DiscreteOptions { gradient, border: 0.0 };
+            let options = DiscreteOptions { gradient, border: 0.0, ..DiscreteOptions::default() };
             discrete(&volume, &scene, &geometry, interpolation, &options, None).unwrap()
         };
         let same = Turn { axis: [0, 1, 2], reversed: [false; 3] };

@@ -186,7 +186,7 @@ fn every_mode_on_the_base_plane_is_its_definition() {
             let geometry = geometry(&volume, &scene);
             for interpolation in [Interpolation::Exact, Interpolation::Sheared] {
                 for gradient in [GradientMethod::Twelve, GradientMethod::TenNormalised, GradientMethod::Six] {
-                    let options = DiscreteOptions { gradient, border: 3.0 };
+                    let options = DiscreteOptions { gradient, border: 3.0, ..DiscreteOptions::default() };
                     let got = discrete(&volume, &scene, &geometry, interpolation, &options, None).unwrap();
                     let expected = base_plane_by_force(&volume, &scene, &geometry, interpolation, &options);
                     assert_eq!(
