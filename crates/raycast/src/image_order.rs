@@ -6,7 +6,7 @@ use crate::interpolate::cell;
 use crate::progress::RowCount;
 use crate::span::{Drawn, ON_FACE};
 use crate::{Progress, RaycastError};
-use cube3_host::{Geometry, ImagePlane, RaySlots, TemplateRule, canonical, over, slope_register, step_length};
+use cube3_host::{ImagePlane, canonical, over};
 use cube3_scene::{Scene, resolve_lights};
 use cube3_volume::{Sample, Volume, with_samples};
 use glam::DVec3;
@@ -92,12 +92,12 @@ pub fn image_order(
     }
     let view = scene.view.frame()?;
     let plane = ImagePlane::new(scene, &view, volume.dims, volume.spacing);
-    let (machine_step, axis) = machine_step(volume, view.direction);
+    let axis = canonical(view.direction, volume.spacing).axes.axis[2];
     let depth = (volume.dims[axis] - 1) as f64;
     let drawn = Drawn::new(scene, volume.dims);
     let weights = StepWeights {
         length: options.step_voxel,
-        sum: options.step_voxel / machine_step / depth,
+        sum: 0.0,
         stop_below: if options.early_termination { TERMINATION } else { 0.0 },
     };
     let integrator = Integrator::new(scene, volume, &view, resolve_lights(scene, &view), weights);
@@ -113,10 +113,8 @@ pub fn image_order(
             let mut samples = 0;
             for (column, pixel) in pixels.iter_mut().enumerate() {
                 let line = pixel_line(&plane, [column * every, row * every], volume.spacing, smallest);
-                if plane.eye.is_some() {
-                    let planes = line.direction[axis].abs() * options.step_voxel;
-                    integrator.start(line.world_direction, planes / depth);
-                }
+                let planes = line.direction[axis].abs() * options.step_voxel;
+                integrator.start(line.world_direction, planes / depth);
                 let (premultiplied, taken) = match line.span(&drawn) {
                     Some(span) => cast_ray(&mut integrator, &grid, &line, &Samples::new(span, options.step_voxel)),
                     None => ([0.0; 4], 0),
@@ -130,23 +128,6 @@ pub fn image_order(
         pixels.par_chunks_mut(width).enumerate().map(cast).sum()
     });
     Ok(Rendering { width, height, pixels, samples })
-}
-
-/// The step of a base-plane ray of this view and its major axis, along which the planes are counted: what a weighted sum
-/// is relative to.
-fn machine_step(volume: &Volume, direction: DVec3) -> (f64, usize) {
-    let view = canonical(direction, volume.spacing);
-    // Only axes and slopes matter to the length; one plane saves the templates.
-    let geometry = Geometry::new(
-        [1; 3],
-        view.axes,
-        view.slopes.map(slope_register),
-        0,
-        1,
-        TemplateRule::PlaneFloor,
-        RaySlots::Padded,
-    );
-    (step_length(&geometry, volume.spacing), view.axes.axis[2])
 }
 
 /// A ray in voxels; its parameter counts the smallest voxel spacing.
