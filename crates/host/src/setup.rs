@@ -2,12 +2,12 @@
 
 use crate::perspective::{PLACE_BITS, Perspective};
 use crate::{
-    Abc, Axes, BusKind, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientScale,
-    HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, RayRegisters, SLOPE_FRACTION_BITS, ShadingUnit,
-    canonical, classification, largest_offset, shading, slope_register,
+    Abc, Axes, BusKind, ConeRegisters, EndRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters,
+    GradientScale, HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, RayRegisters, SLOPE_FRACTION_BITS,
+    ShadingUnit, canonical, classification, ends, largest_offset, shading, slope_register, whole_step_opacity,
 };
 use cube3_scene::{Mode, Scene, SceneError, ViewFrame};
-use cube3_word::{quantise_fraction, quantise_unit};
+use cube3_word::{Words, quantise_fraction, quantise_unit, unit_full, unit_resize};
 use std::borrow::Cow;
 
 /// Most voxels along an axis: what slope and template registers are exact for.
@@ -71,8 +71,7 @@ pub enum HostError {
     /// Tables of opacity that would take too much memory.
     #[error(
         "the opacity tables of a pass would have 2^{bits} entries (2^{table} samples, 2^{rows} gradients, 2^{classes} step lengths), above the \
-         limit of 2^{MOST_TABLE_BITS}: lower words.table_bits or words.table_gradient_bits in the machine file, or set \
-         transfer.opacity_correction = false in the scene"
+         limit of 2^{MOST_TABLE_BITS}: lower words.table_bits or words.table_gradient_bits in the machine file, or set {remedy}"
     )]
     Tables {
         /// Bits of an address: the sum of the others.
@@ -83,6 +82,8 @@ pub enum HostError {
         rows: u32,
         /// Bits that step lengths give.
         classes: u32,
+        /// What does without them.
+        remedy: &'static str,
     },
 }
 
@@ -127,6 +128,7 @@ pub struct LeftOut {
 /// A view without a direction, and volumes too large for the registers.
 pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, plan: bool) -> Result<Frame, HostError> {
     let view = checked_view(scene, volume)?;
+    check_ends(scene, machine)?;
     let geometry = geometry(machine, volume, &view);
     let (setup, left_out) = registers(scene, machine, volume, plan, &view, geometry);
     Ok(Frame { setup, view, left_out })
@@ -165,11 +167,28 @@ pub(crate) fn check_perspective(scene: &Scene, machine: &MachineSpec) -> Result<
             remedy: "phong",
         });
     }
-    let words = &machine.words;
-    let [table, classes] = [words.table_bits, RayRegisters::MOST_CLASSES.ilog2()];
-    let bits = table + words.table_gradient_bits + classes;
-    if rows && corrects_opacity(scene) && bits > MOST_TABLE_BITS {
-        return Err(HostError::Tables { bits, table, rows: words.table_gradient_bits, classes });
+    if corrects_opacity(scene) {
+        check_tables(scene, machine, RayRegisters::MOST_CLASSES, "transfer.opacity_correction = false in the scene")?;
+    }
+    check_ends(scene, machine)
+}
+
+/// Checks that the opacity tables of a frame with parts of a step for the ends of its rays are not too large.
+fn check_ends(scene: &Scene, machine: &MachineSpec) -> Result<(), HostError> {
+    if !ends::has_ends(scene, machine) {
+        return Ok(());
+    }
+    let classes = RayRegisters::MOST_CLASSES + EndRegisters::CLASSES;
+    check_tables(scene, machine, classes, "rays.ends = \"published\" there")
+}
+
+/// Checks that two-dimensional opacity tables of so many `classes` of step lengths are not too large.
+fn check_tables(scene: &Scene, machine: &MachineSpec, classes: u32, remedy: &'static str) -> Result<(), HostError> {
+    let [table, rows] = [machine.words.table_bits, machine.words.table_gradient_bits];
+    let classes = classes.next_power_of_two().ilog2();
+    let bits = table + rows + classes;
+    if scene.transfer.is_two_dimensional() && bits > MOST_TABLE_BITS {
+        return Err(HostError::Tables { bits, table, rows, classes, remedy });
     }
     Ok(())
 }
@@ -281,12 +300,14 @@ pub(crate) fn registers(
         .perspective
         .as_ref()
         .map(|pass| ray_registers(scene, volume, &geometry, pass, &basis, machine.abc.gradient, &steps));
+    let ends = EndRegisters::new(scene, machine, &geometry, &steps.lengths);
+    let whole = ends.as_ref().map(|_| whole_step_opacity(scene.mode, &words, geometry.size[2]));
     let setup = FrameSetup {
         schema: 1,
         words,
         reuse: machine.trilin.reuse,
         clips,
-        classification: classification::tables(scene, machine, volume, &steps.lengths, rows, &basis),
+        classification: classification::tables(scene, machine, volume, &steps.lengths, rows, &basis, whole),
         gradient,
         normaliser: (normal_needed || !plan).then(|| Normaliser::new(words.normal_bits, machine.abc.root_bits)),
         shading: if lit {
@@ -300,12 +321,26 @@ pub(crate) fn registers(
             order: machine.cone.kind.order(),
             leaves: machine.lanes,
             opaque: quantise_unit(scene.transfer.opaque_alpha, words.opacity_bits).max(1),
-            sum_weight: (1_u64 << ConeRegisters::WEIGHT_BITS) / geometry.size[2] as u64,
+            sum_weight: sum_weight(&words, geometry.size[2], whole),
         },
         geometry,
         rays,
+        ends,
     };
     (setup, left_out)
+}
+
+/// The weight of a weighted sum: one of `depths` samples, or one step of those between the first plane and the last, where opacity 1 over
+/// a `whole` step has a word of its own.
+fn sum_weight(words: &Words, depths: usize, whole: Option<u32>) -> u64 {
+    let one = 1_u64 << ConeRegisters::WEIGHT_BITS;
+    let Some(whole) = whole else {
+        return one / depths as u64;
+    };
+    let bits = words.accumulator_bits;
+    let whole = unit_resize(whole, words.opacity_bits, bits).max(1);
+    let steps = depths.saturating_sub(1).max(1) as u128;
+    (u128::from(one) * u128::from(unit_full(bits)) / (u128::from(whole) * steps)).min(one.into()) as u64
 }
 
 /// Step lengths that opacity is corrected to, in units of the smallest spacing: one in a parallel frame, in perspective the
@@ -341,16 +376,23 @@ impl StepLengths {
             true if range > shortest * SAME_LENGTH => RayRegisters::MOST_CLASSES,
             _ => 1,
         };
+        // Classes from the shortest step to the longest; a ray is in the nearest. So the ray straight ahead has its own length.
         let lengths = (0..classes).map(|class| {
-            let middle = (f64::from(class) + 0.5) / f64::from(classes);
+            let middle = f64::from(class) / f64::from((classes - 1).max(1));
             if corrects { (shortest + range * middle).sqrt() / smallest } else { 1.0 }
         });
-        let top = f64::from((classes << RayRegisters::CLASS_SHIFT) - 2);
-        let part = |squares: &[f64], least: f64| -> Vec<u32> {
-            let part = |square: &f64| if classes == 1 { 0 } else { ((square - least) / range * top) as u32 };
+        let top = f64::from((classes - 1) << RayRegisters::CLASS_SHIFT);
+        let part = |squares: &[f64], least: f64, half: u32| -> Vec<u32> {
+            let part =
+                |square: &f64| if classes == 1 { 0 } else { ((square - least) / range * top).round() as u32 + half };
             squares.iter().map(part).collect()
         };
-        StepLengths { lengths: lengths.collect(), along_u: part(&along_u, least_u), along_v: part(&along_v, least_v) }
+        let half = 1 << (RayRegisters::CLASS_SHIFT - 1);
+        StepLengths {
+            lengths: lengths.collect(),
+            along_u: part(&along_u, least_u, half),
+            along_v: part(&along_v, least_v, 0),
+        }
     }
 }
 
@@ -517,7 +559,7 @@ fn is_unity(scale: &GradientScale) -> bool {
 }
 
 /// A function `normal · p + constant` of the voxel position, over rays and depths, or over places in perspective.
-fn linear(geometry: &Geometry, normal: [f64; 3], constant: f64, fraction_bits: u32) -> Linear {
+pub(crate) fn linear(geometry: &Geometry, normal: [f64; 3], constant: f64, fraction_bits: u32) -> Linear {
     let one = (1_u64 << fraction_bits) as f64;
     // A plane farther away than this decides nothing, and sums over any volume stay within 64 bits.
     let quantise = |x: f64, most: f64| (x * one).clamp(-most, most).round() as i64;
