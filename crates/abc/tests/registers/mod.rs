@@ -202,6 +202,7 @@ pub fn frame(dice: &mut Dice) -> FrameSetup {
         depth_cue: dice.one_in(3).then(|| LinearFactor { factor: linear(dice, LinearFactor::FRACTION_BITS - 6) }),
         cone: ConeRegisters { mode: Mode::Composite, order: ConeOrder::Tree, leaves: 1, opaque: 1, sum_weight: 0 },
         rays: None,
+        ends: None,
     }
 }
 
