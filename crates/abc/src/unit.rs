@@ -11,9 +11,7 @@ use crate::ends::{End, ray_ends};
 use crate::golden::Shaded;
 use crate::lanes::{AbcLanes, Around, HERE, Neighbour, Neighbours, ShadedBlock, ShadedRow, reads};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, PortState, Wait};
-use cube3_host::{
-    BESIDE, DiscreteRay, FrameSetup, Geometry, GradientMethod, MachineSpec, RayStretches, SampleBounds,
-};
+use cube3_host::{BESIDE, DiscreteRay, FrameSetup, Geometry, GradientMethod, MachineSpec, RayStretches, SampleBounds};
 use cube3_trilin::{RaySamples, SampleRay};
 use cube3_word::{BLOCK, Block};
 use serde::{Deserialize, Serialize};
@@ -312,7 +310,8 @@ impl Shade for Shader {
 impl Shader {
     /// A slot of a parallel frame, whose neighbours are those of the same slots and planes at every depth.
     fn shade_parallel(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut ShadedSamples) {
-        let Shader { arithmetic, planes: buffers, row, kept, overflows, parallel: Some(parallel), ends, .. } = self else {
+        let Shader { arithmetic, planes: buffers, row, kept, overflows, parallel: Some(parallel), ends, .. } = self
+        else {
             return;
         };
         let geometry = &setup.geometry;
@@ -680,7 +679,17 @@ impl<A: Shade> AbcUnit<A> {
 
 impl Archived for Shader {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let Shader { arithmetic: _, row: _, planes, kept: _, overflows, parallel: _, perspective: _, stretches: _, ends: _ } = self;
+        let Shader {
+            arithmetic: _,
+            row: _,
+            planes,
+            kept: _,
+            overflows,
+            parallel: _,
+            perspective: _,
+            stretches: _,
+            ends: _,
+        } = self;
         planes.iter_mut().try_for_each(|plane| archive.list(plane))?;
         archive.item(overflows)
     }
