@@ -681,6 +681,74 @@ mod tests {
     }
 
     #[test]
+    fn tables_for_the_ends_of_rays_have_a_limit_too() {
+        let volume = VolumeInfo { dims: [4; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
+        let mut scene = Scene::default();
+        let layer = |gradient| cube3_scene::Layer { gradient, opacity: vec![[0.0, 0.0], [255.0, 0.5]] };
+        scene.transfer.layers = vec![layer(0.0), layer(50.0)];
+        scene.transfer.opacity_correction = false;
+        let rays = crate::Rays { ends: crate::RayEnds::Exact, ..crate::Rays::default() };
+        let of = |mode, table_gradient_bits| {
+            let words = Words { table_gradient_bits, ..Words::default() };
+            let machine = MachineSpec { words, rays, ..MachineSpec::default() };
+            let scene = Scene { mode, ..scene.clone() };
+            (frame_setup(&scene, &machine, &volume, true).map(|_| ()), check_perspective(&scene, &machine))
+        };
+        let (parallel, eye) = of(Mode::Composite, 7);
+        assert!(parallel.unwrap_err().to_string().ends_with("or set rays.ends = \"published\" there"));
+        assert!(eye.unwrap_err().to_string().contains("2^27 entries (2^12 samples, 2^7 gradients, 2^8 step lengths)"));
+        assert!(of(Mode::Maximum, 8).0.is_ok(), "no ends");
+        assert!(of(Mode::Composite, 6).1.is_ok());
+    }
+
+    /// A class is at most half of a fifteenth of the range away from a ray's squared step, and the shortest step is a class of its own.
+    #[test]
+    fn step_lengths_of_an_eye_are_within_their_classes() {
+        let scene = Scene::default();
+        for (eye, spacing) in [
+            ([16.0, 16.0, 16.0], [1.0; 3]),
+            ([3.3, 40.0, -20.0], [1.0; 3]),
+            ([16.0, 16.0, -5.0], [1.0, 2.0, 0.5]),
+            ([-9.0, 12.5, 4.2], [1.0, 1.0, 3.0]),
+        ] {
+            let shape = crate::PassShape {
+                size: [33; 3],
+                axes: Axes { axis: [0, 1, 2], reversed: [false; 3] },
+                eye,
+                offset: 0,
+                weight_bits: 8,
+                rule: crate::TemplateRule::SampleFloor,
+                grid: 0.5,
+            };
+            let geometry = Geometry::perspective(&shape).unwrap();
+            let steps = StepLengths::new(&scene, &geometry, spacing);
+            let pass = geometry.perspective.as_ref().unwrap();
+            let smallest = spacing.into_iter().fold(f64::INFINITY, f64::min);
+            let squares: Vec<(f64, usize)> = (0..pass.u.count() * pass.v.count())
+                .map(|i| {
+                    let (column, row) = (i % pass.u.count(), i / pass.u.count());
+                    let [u, v] = [pass.u.slopes[column], pass.v.slopes[row]].map(real_slope);
+                    let square = (spacing[0] * u).powi(2) + (spacing[1] * v).powi(2) + spacing[2].powi(2);
+                    let class = (steps.along_u[column] + steps.along_v[row]) >> RayRegisters::CLASS_SHIFT;
+                    (square / smallest.powi(2), class as usize)
+                })
+                .collect();
+            let [shortest, longest] =
+                [f64::min, f64::max].map(|pick| squares.iter().map(|x| x.0).fold(squares[0].0, pick));
+            let half = (longest - shortest) / 30.0;
+            let bound = (1.0 + half / shortest).sqrt() - 1.0;
+            let mut worst = 0.0_f64;
+            for &(square, class) in &squares {
+                let of_class = steps.lengths[class].powi(2);
+                assert!((of_class - square).abs() <= half * 1.001, "{square}: {of_class}");
+                worst = worst.max((of_class / square).sqrt().max((square / of_class).sqrt()) - 1.0);
+                assert!(square > shortest || (of_class - shortest).abs() < 1e-12);
+            }
+            assert!(worst <= bound * 1.001 && worst > 0.8 * bound, "{worst} of {bound}");
+        }
+    }
+
+    #[test]
     fn a_bus_that_only_turns_beams_is_for_parallel_views() {
         let rotate = MachineSpec { bus: Bus { kind: BusKind::Rotate, ..Bus::default() }, ..MachineSpec::default() };
         assert!(check_bus(&rotate, false).is_ok());
