@@ -112,11 +112,13 @@ fn the_ray_straight_ahead_of_an_eye_has_its_own_length() {
     let mut scene = fog(0.02, [0.0, 1.0, 0.0]);
     scene.view.perspective =
         Some(Perspective { field_of_view_deg: 60.0, eye_voxel: Some([16.0; 3]), distance_voxel: None });
-    for (ends, steps) in [(RayEnds::Published, 17.0), (RayEnds::Exact, 16.0)] {
+    // Tables of ends are by parts of the longest step, √3, of which an end is 1/64 off at most.
+    for (ends, steps, off) in [(RayEnds::Published, 17.0, 0.0), (RayEnds::Exact, 16.0, 2.0 * 3_f64.sqrt() / 64.0)] {
         let mut machine = machine(ends, 0.5);
         machine.rays.template = TemplateRule::SampleFloor;
         let grey = grey(&run(&scene, &machine), 16, 16);
-        assert!((grey - through(0.02, steps)).abs() < 0.1, "{ends:?}: {grey}");
+        let off = through(0.02, steps + off) - through(0.02, steps);
+        assert!((grey - through(0.02, steps)).abs() < 0.1 + off, "{ends:?}: {grey}");
     }
 }
 
