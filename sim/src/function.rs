@@ -6,6 +6,7 @@
 
 use crate::function_perspective::PassWorker;
 use crate::machine::Overflows;
+use cube3_abc::ends::PlaneEnds;
 use cube3_abc::lanes::{AbcLanes, ShadedRow};
 use cube3_cone::lanes::{Accumulator, ConeLanes};
 use cube3_host::{Axes, BasePlane, FrameSetup, HalfSpace};
@@ -136,6 +137,8 @@ fn render_in<T: Accumulator>(
     let band = height.div_ceil(pieces).clamp(8, 64);
     let first = geometry.first_ray().v;
     let done = AtomicU64::new(0);
+    // One set of tables for all bands.
+    let abc = AbcLanes::new(setup, skip);
     let overflows = base
         .pixels
         .par_chunks_mut(width * band)
@@ -144,8 +147,8 @@ fn render_in<T: Accumulator>(
             let start = first + (i * band) as i64;
             let count = rows.len() / width;
             let overflows = match &geometry.perspective {
-                None => Worker::<T>::new(setup, volume, skip).band(start, rows, width),
-                Some(pass) => PassWorker::<T>::new(setup, pass, volume, skip).band(start, rows, width),
+                None => Worker::<T>::new(setup, volume, abc.clone()).band(start, rows, width),
+                Some(pass) => PassWorker::<T>::new(setup, pass, volume, abc.clone()).band(start, rows, width),
             };
             let done = done.fetch_add(count as u64, Ordering::Relaxed) + count as u64;
             progress(done, height as u64);
@@ -191,11 +194,13 @@ struct Worker<'a, T> {
     samples: [Plane; 3],
     edges: Vec<i32>,
     beyond: Vec<i32>,
+    /// Ends of the rays of the plane in hand.
+    ends: PlaneEnds,
     shaded: ShadedRow,
 }
 
 impl<'a, T: Accumulator> Worker<'a, T> {
-    fn new(setup: &'a FrameSetup, volume: &'a CanonicalVolume<'a>, skip: bool) -> Worker<'a, T> {
+    fn new(setup: &'a FrameSetup, volume: &'a CanonicalVolume<'a>, abc: AbcLanes) -> Worker<'a, T> {
         let [n, _, depths] = setup.geometry.size;
         let border = setup.gradient.map_or(0, |registers| registers.border);
         let plane = || Plane::new(n + 2 * MARGIN, depths);
@@ -203,12 +208,13 @@ impl<'a, T: Accumulator> Worker<'a, T> {
             setup,
             volume,
             trilin: TrilinLanes::new(&setup.words),
-            abc: AbcLanes::new(setup, skip),
+            abc,
             cone: ConeLanes::new(setup.cone, setup.words),
             sides: [plane(), plane()],
             samples: [plane(), plane(), plane()],
             edges: vec![0; n],
             beyond: vec![border; n + 2 * MARGIN],
+            ends: PlaneEnds::default(),
             shaded: ShadedRow::default(),
         }
     }
@@ -280,6 +286,8 @@ impl<'a, T: Accumulator> Worker<'a, T> {
         let depths = geometry.size[2];
         let has_gradient = setup.gradient.is_some();
         let mut overflows = 0;
+        let first = geometry.first_ray().u;
+        self.ends.aim(v, first..geometry.size[0] as i64, setup);
         for k in 0..depths {
             let valid = geometry.valid_columns(v, k);
             let (from, to) = inside(&setup.clips, v, k, valid.start, valid.end);
@@ -304,6 +312,8 @@ impl<'a, T: Accumulator> Worker<'a, T> {
             let rows: [[&[i32]; 3]; 3] = [0, 1, 2].map(|w| [0, 1, 2].map(|dv| row(w, dv)));
             self.shaded.present.clear();
             self.shaded.present.resize(n, 1);
+            self.shaded.ends.clear();
+            self.shaded.ends.extend(self.ends.row(k, from));
             let neighbour = |w: usize, dv: usize, u: usize| &rows[w][dv][u..u + n];
             self.abc.shade(n, neighbour, |lane| [from + lane as i64, v, k as i64], geometry, &mut self.shaded);
             let (cone, shaded) = (&mut self.cone, &self.shaded);

@@ -5,6 +5,7 @@
 
 use crate::function::{CanonicalVolume, Plane};
 use crate::machine::Overflows;
+use cube3_abc::ends::PlaneEnds;
 use cube3_abc::lanes::{AbcLanes, ShadedRow};
 use cube3_cone::lanes::{Accumulator, ConeLanes};
 use cube3_host::{FrameSetup, Perspective};
@@ -30,6 +31,8 @@ pub(crate) struct PassWorker<'a, T> {
     /// Lerps along w in columns L and R.
     edges: [Vec<i32>; 2],
     beyond: Vec<i32>,
+    /// Ends of the rays of the plane in hand.
+    ends: PlaneEnds,
     shaded: ShadedRow,
 }
 
@@ -38,7 +41,7 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
         setup: &'a FrameSetup,
         pass: &'a Perspective,
         volume: &'a CanonicalVolume<'a>,
-        skip: bool,
+        abc: AbcLanes,
     ) -> PassWorker<'a, T> {
         let (slots, depths) = (pass.u.count(), setup.geometry.size[2]);
         let border = setup.gradient.map_or(0, |registers| registers.border);
@@ -49,12 +52,13 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
             pass,
             volume,
             trilin: TrilinLanes::new(&setup.words),
-            abc: AbcLanes::new(setup, skip),
+            abc,
             cone: ConeLanes::new(setup.cone, setup.words),
             sides: [plane(slots), plane(slots)],
             samples: [samples(), samples(), samples()],
             edges: [vec![0; slots + 1], vec![0; slots + 1]],
             beyond: vec![border; slots + 2 * MARGIN],
+            ends: PlaneEnds::default(),
             shaded: ShadedRow::default(),
         }
     }
@@ -164,7 +168,9 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
         let first = self.pass.u.first;
         let has_gradient = setup.gradient.is_some();
         let mut overflows = 0;
-        self.abc.aim(v, first..first + self.pass.u.count() as i64);
+        let rays = first..first + self.pass.u.count() as i64;
+        self.abc.aim(v, rays.clone());
+        self.ends.aim(v, rays, setup);
         for k in 0..depths {
             let (from, to) = self.inside(v, k);
             if from >= to {
@@ -187,6 +193,8 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
             let rows: [[&[i32]; 3]; 3] = [0, 1, 2].map(|w| [0, 1, 2].map(|dv| row(w, dv)));
             self.shaded.present.clear();
             self.shaded.present.resize(n, 1);
+            self.shaded.ends.clear();
+            self.shaded.ends.extend(self.ends.row(k, from));
             let neighbour = |w: usize, dv: usize, u: usize| &rows[w][dv][u..u + n];
             self.abc.shade(n, neighbour, |lane| [from + lane as i64, v, k as i64], geometry, &mut self.shaded);
             let (cone, shaded) = (&mut self.cone, &self.shaded);

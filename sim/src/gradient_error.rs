@@ -1,7 +1,7 @@
 //! How far the machine's gradients are from the true ones, where the scene shows a surface.
 
 use cube3_abc::golden::{Local, Neighbourhood, classify_in, local_gradient, normalise};
-use cube3_host::{Basis, DiscreteRay, FrameSetup, Perspective, SLOPE_FRACTION_BITS};
+use cube3_host::{Basis, DiscreteRay, FrameSetup, Perspective, SLOPE_FRACTION_BITS, whole_step_opacity};
 use cube3_trilin::golden::{Weights, cell, lift};
 use cube3_volume::VoxelWords;
 use glam::DVec3;
@@ -29,7 +29,11 @@ fn gradient_pairs(setup: &FrameSetup, volume: &VoxelWords) -> Vec<([f64; 3], [f6
     let fits = |stride: &usize| width.div_ceil(*stride) * height.div_ceil(*stride) <= MOST_RAYS;
     let stride = (1..).find(fits).unwrap_or(1);
     let machine = Samples { setup, volume };
-    let half = cube3_word::unit_full(setup.words.opacity_bits).div_ceil(2);
+    let whole = match &setup.ends {
+        Some(_) => whole_step_opacity(setup.cone.mode, &setup.words, geometry.size[2]),
+        None => cube3_word::unit_full(setup.words.opacity_bits),
+    };
+    let half = whole.div_ceil(2);
     let mut pairs = Vec::new();
     for row in (0..height).step_by(stride) {
         for column in (0..width).step_by(stride) {

@@ -6,6 +6,7 @@ pub mod bench;
 pub mod checkpoint;
 pub mod clocked;
 pub mod command;
+mod ends_note;
 pub mod fidelity;
 pub mod function;
 mod function_perspective;

@@ -8,8 +8,8 @@ use crate::machine::{Machine, RunError};
 use crate::trace::{self, Recorder};
 use cube3_abc::AbcSpec;
 use cube3_abc::golden::{
-    Light, Local, Neighbourhood, Normal, Shaded, classify_in, halfway, lit, local_gradient, normalise, phong_from,
-    reflectance, shade, view_vector,
+    Light, Local, Neighbourhood, Normal, Shaded, classify_in, halfway, lit, local_gradient, normalise, opacity_class,
+    phong_from, reflectance, shade, view_vector,
 };
 use cube3_cfb::golden::Skew;
 use cube3_cfb::{FrameBuffer, FrameBufferError, scan};
@@ -124,6 +124,12 @@ pub enum RecordError {
         /// What to change.
         remedy: &'static str,
     },
+    /// More opacity tables than the vectors of classification number.
+    #[error(
+        "vectors of the unit classify tell up to 16 opacity tables apart, and rays whose ends have parts of a step have more: set \
+         rays.ends = \"published\" in the machine file"
+    )]
+    Ends,
     /// A sheet.
     #[error(transparent)]
     Expression(#[from] ExpressionError),
@@ -151,6 +157,9 @@ pub fn record(run: &Run<'_>, unit: &dyn Unit, window: &Window<'_>) -> Result<Vec
     let name = unit.sheet().name;
     let frames = run.frames.len();
     let setup = run.frames.get(window.frame).ok_or(RecordError::Frame { frame: window.frame, frames })?;
+    if name == "classify" && setup.ends.is_some() {
+        return Err(RecordError::Ends);
+    }
     let mut format = format(run, setup, name);
     let inputs = if name == "channel" {
         channel(run, window, &mut format)?
@@ -510,7 +519,7 @@ impl Frame<'_> {
             normal = normalise(gradient, table, words);
         }
         let [row, column] = if setup.rays.is_some() { geometry.slot_of(ray) } else { [0; 2] };
-        let class = setup.rays.as_ref().map_or(0, |rays| rays.length_class(row, column));
+        let class = opacity_class(at, setup);
         let table = &setup.classification;
         if unit == "classify" {
             return lines.add(|| {

@@ -6,7 +6,8 @@
 use crate::machine::RunCounters;
 use cube3_cone::ConeSpec;
 use cube3_host::{
-    ConeRegisters, FrameSetup, GradientMethod, GradientScale, LinearFactor, MachineSpec, Reuse, Shading, ShadingUnit,
+    ConeRegisters, FrameSetup, GradientMethod, GradientScale, LinearFactor, MachineSpec, RayEnds, RaySlots, Reuse,
+    Shading, ShadingUnit,
 };
 use cube3_report::{InterfaceReport, LinesReport, MemoryBits, OperatorCounts, OperatorsReport, ResourcesReport};
 use cube3_scene::{MOST_CUTS, MOST_LIGHTS};
@@ -97,6 +98,16 @@ pub fn operators(machine: &MachineSpec, frames: &[FrameSetup]) -> Vec<OperatorsR
     part("abc: depth cue", lanes, counts(3, 1 + 3 * rounds(LinearFactor::WORD_BITS), 2));
     let clips = MOST_CUTS as u64 + 6;
     part("abc: cut planes and crop box", lanes, counts(0, clips, clips));
+    if machine.rays.ends == RayEnds::Exact {
+        // For each half-space the distance after a step, two comparisons and a restoring divider; the smallest of all; and once the sum of
+        // two reaches, its product with the step, rounded. Of a slot up to three rays have two ends each.
+        let half_spaces = clips + 6;
+        let reach = OperatorCounts { multipliers: 0, adders: 2, comparators: 3, dividers: 1 };
+        let rays = if machine.rays.slots == RaySlots::Wrapped { 3 } else { 1 };
+        part("abc: ends of rays", 2 * rays, reach.times(half_spaces) + counts(1, 2, 0));
+        // The faces beside the clips, and whether the samples before and behind are in their place.
+        part("abc: faces of the volume", lanes, counts(0, 6, 0));
+    }
     part("cone: leaf", lanes, unit_mul.times(3) + counts(0, 0, 1));
     part(
         "cone: node",

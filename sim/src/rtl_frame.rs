@@ -201,6 +201,11 @@ fn check_frame(machine: &MachineSpec, setup: &FrameSetup) -> Result<(), RtlFrame
     if side != lanes || setup.cone.leaves != lanes {
         return Err(RtlFrameError::Lanes { side, lanes });
     }
+    unsupported(
+        setup.ends.is_some(),
+        "parts of a step for the ends of rays",
+        "set rays.ends = \"published\" in the machine file",
+    )?;
     unsupported(!setup.clips.is_empty(), "cut planes and no crop box", "leave cuts and crop out of the scene")?;
     let neutral = |cue: &LinearFactor| {
         let factor = cue.factor;

@@ -2,6 +2,7 @@
 
 use crate::checkpoint::Identity;
 use crate::clocked::{Stops, run_clocked};
+use crate::ends_note;
 use crate::fidelity::{Fidelity, Timing};
 use crate::function::{CanonicalVolume, FunctionRun, render};
 use crate::gradient_error;
@@ -146,6 +147,9 @@ pub fn run_frame_with(
     let mut digest = DigestReport::default();
     if let Some(bases) = &run.bases {
         (pictures, digest) = show(bases, &frames, scene, volume)?;
+    }
+    if let Some(image) = &pictures.image {
+        run.told.extend(ends_note::note(scene, machine, volume, &frames, image, options.plan)?);
     }
     let (error, reference_s) = match options.reference {
         Reference::None => (None, None),

@@ -12,6 +12,7 @@
 
 use crate::acquisition::{Mixture, Sight};
 use crate::animation::playback_fps;
+use crate::ends_note;
 use crate::fidelity::Timing;
 use crate::inputs::{self, LoadedVolume};
 use crate::machine::{Machine, Overflows, RunCounters};
@@ -288,6 +289,9 @@ pub fn run_sequence(
             }
             if let Some(picture) = &shown.image {
                 take(Shown { frame: index, picture, playback_fps })?;
+            }
+            if let (0, Some(image)) = (index, &shown.image) {
+                run.told.extend(ends_note::note(view, machine, &first, &frame, image, options.plan)?);
             }
             if index == 0 {
                 (pictures, first_digest) = (shown, digest.clone());

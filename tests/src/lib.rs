@@ -8,7 +8,7 @@ pub mod rtl_pipeline;
 
 use cube3_host::{
     Abc, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, GradientMethod, HostLink, Layout,
-    MachineSpec, MemoryModel, RaySlots, Rays, Reuse, ShadingUnit, TemplateRule, Trilin, VolumeInfo,
+    MachineSpec, MemoryModel, RayEnds, RaySlots, Rays, Reuse, ShadingUnit, TemplateRule, Trilin, VolumeInfo,
 };
 use cube3_scene::{
     ColourPoint, Crop, Cut, DepthCue, Image, Layer, Light, Material, Mode, Perspective, Scene, Threshold, Transfer,
@@ -142,7 +142,7 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
     let methods = proptest::sample::select(GradientMethod::ALL.map(|(method, _)| method).to_vec());
     let size = (1_usize..6, 1_u64..5).prop_map(|(capacity, latency)| ChannelSize { capacity, latency });
     let channels = [size.clone(), size.clone(), size.clone(), size.clone(), size.clone(), size];
-    let rays = (any::<bool>(), any::<bool>(), 0.0..1.0_f64, prop_oneof![Just(0.5), 0.1..2.0_f64]);
+    let rays = (any::<bool>(), any::<bool>(), 0.0..1.0_f64, prop_oneof![Just(0.5), 0.1..2.0_f64], any::<bool>());
     let rest = (
         1_usize..=9,
         [-3_i64..4, -3_i64..4, -3_i64..4],
@@ -155,11 +155,18 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
             words,
             gradient,
             channels,
-            (padded, plane, offset, grid),
+            (padded, plane, offset, grid, exact),
             (lanes, skew, planes, reuse, table),
             ((memory_clock_hz, cfb), fabric),
         )| {
             let [beams, aligned, rays, samples, shaded, pixels] = channels;
+            // With tables for the ends of rays there are nine times as many as for an eye.
+            let words = if exact {
+                let table_bits = words.table_bits.min(10);
+                Words { table_bits, table_gradient_bits: words.table_gradient_bits.min(12 - table_bits), ..words }
+            } else {
+                words
+            };
             MachineSpec {
                 lanes,
                 words,
@@ -168,6 +175,7 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
                     template: if plane { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
                     offset,
                     grid,
+                    ends: if exact { RayEnds::Exact } else { RayEnds::Published },
                 },
                 clock_hz: 50e6,
                 cfb: Cfb { skew, memory_clock_hz, ..cfb },

@@ -4,7 +4,8 @@ use cube3::limits::{frame_interval, limits};
 use cube3::machine::{Machine, RunCounters};
 use cube3::resources::resources;
 use cube3_host::{
-    Abc, Cfb, FrameSetup, GradientMethod, HostLink, MachineSpec, RaySlots, Rays, Reuse, Trilin, VolumeInfo, frame_setup,
+    Abc, Cfb, FrameSetup, GradientMethod, HostLink, MachineSpec, RayEnds, RaySlots, Rays, Reuse, Trilin, VolumeInfo,
+    frame_setup,
 };
 use cube3_report::{OperatorCounts, ResourcesReport};
 use cube3_scene::{Scene, View};
@@ -63,6 +64,23 @@ fn gradients_have_the_operators_of_their_formulas() {
         let found = part(&count(&machine, 8).0, "abc: gradient");
         assert_eq!((found.multipliers, found.adders), (8 * multipliers, 8 * adders), "{gradient:?}");
     }
+}
+
+/// A divider for each of 18 half-spaces at both ends of up to three rays of a slot, and a table for each 32nd of a step up to four.
+#[test]
+fn exact_ends_have_their_dividers_and_tables() {
+    let count_of = |ends, slots| {
+        let machine = MachineSpec { lanes: 8, rays: Rays { ends, slots, ..Rays::default() }, ..MachineSpec::default() };
+        let report = count(&machine, 8).0;
+        let tables = report.memory.iter().find(|memory| memory.what == "tables").unwrap().bits;
+        (part(&report, "abc: ends of rays").dividers, report.total.dividers, tables)
+    };
+    let (none, all, published) = count_of(RayEnds::Published, RaySlots::Wrapped);
+    assert_eq!([none, all], [0, 0]);
+    let (wrapped, all, exact) = count_of(RayEnds::Exact, RaySlots::Wrapped);
+    assert_eq!([wrapped, all], [6 * 18, 6 * 18]);
+    assert_eq!(exact - published, 8 * 129 * 4096 * 12);
+    assert_eq!(count_of(RayEnds::Exact, RaySlots::Padded).0, 2 * 18);
 }
 
 #[test]

@@ -7,6 +7,7 @@
 //! The loops over the lanes of a block are long on purpose, a whole stage each: a compiler makes vectors of a long loop, while short
 //! ones are unrolled first and seldom found again.
 
+use crate::ends::End;
 use crate::golden;
 use crate::perspective::RayLanes;
 use cube3_host::{
@@ -15,6 +16,7 @@ use cube3_host::{
 };
 use cube3_word::{BLOCK, Block, Shift, Words, block, put_block, unit_full, vectorised};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 pub use crate::perspective::LocalBlock;
 
@@ -38,6 +40,8 @@ pub struct ShadedRow {
     pub span: (usize, usize),
     /// Saturated words.
     pub overflows: u64,
+    /// Lanes whose opacity is that of an end of a ray, in order. Set before.
+    pub ends: Vec<End>,
 }
 
 /// A block of shaded samples: a word for each part of [`golden::Shaded`] and lane. Each row is a line of the cache.
@@ -88,6 +92,8 @@ pub struct AbcLanes {
     /// Those of the 27 neighbours that are read.
     reads: Vec<Neighbours>,
     skip: bool,
+    /// Lanes of the next block whose opacity is that of an end of a ray.
+    ends: Vec<End>,
     stages: Stages,
 }
 
@@ -174,6 +180,7 @@ impl AbcLanes {
             reads: neighbours(setup.gradient.map(|registers| registers.method), rays.is_some()),
             rays,
             skip,
+            ends: Vec::new(),
             stages: Stages::new(),
         }
     }
@@ -206,6 +213,7 @@ impl AbcLanes {
         out.colour.iter_mut().for_each(|colour| colour.resize(n, 0));
         let mut shaded = std::mem::take(&mut self.stages.out);
         let (mut first, mut end) = (n, 0);
+        let mut ends = out.ends.as_slice();
         let samples = &neighbour(1, 1, 1)[..n];
         vectorised(
             #[inline(always)]
@@ -215,6 +223,12 @@ impl AbcLanes {
                     let present = block(&out.present, from);
                     shaded.present = present.map(u32::from);
                     let count = BLOCK.min(n - from);
+                    while let [End { lane, class }, behind @ ..] = ends
+                        && *lane < from + BLOCK
+                    {
+                        self.end(lane - from, *class);
+                        ends = behind;
+                    }
                     let saturated = self.block(
                         #[inline(always)]
                         |reads: &[Neighbours], around: &mut Around| {
@@ -253,6 +267,11 @@ impl AbcLanes {
             (true, true) => (first, end),
             (true, false) => (0, 0),
         };
+    }
+
+    /// Says that a lane of the block that is shaded next has the opacity of an end of a ray, by its class.
+    pub fn end(&mut self, lane: usize, class: u32) {
+        self.ends.push(End { lane, class });
     }
 
     /// Shades a block. `begin` writes its samples and which of them are there, the first `count` lanes at most; `fill` the given
@@ -298,6 +317,9 @@ impl AbcLanes {
         }
         let Stages { magnitude, class, .. } = &self.stages;
         self.table.opacity(magnitude, class, out);
+        if !self.ends.is_empty() {
+            self.end_stage(out);
+        }
         if self.skip && !any(&out.opacity) {
             out.colour = [[0; BLOCK]; 3];
             return None;
@@ -317,6 +339,16 @@ impl AbcLanes {
             }
         }
         Some(self.clear_transparent(out))
+    }
+
+    /// The opacities of the ends of rays.
+    #[inline(never)]
+    fn end_stage(&mut self, out: &mut ShadedBlock) {
+        for End { lane, class } in self.ends.drain(..) {
+            if out.present[lane] != 0 {
+                out.opacity[lane] = self.table.entry(class, out.samples[lane], self.stages.magnitude[lane]);
+            }
+        }
     }
 
     /// Neighbours, gradient and normal.
@@ -708,8 +740,8 @@ pub fn normalise_rows(gradient: [Vec<i32>; 3], table: &Normaliser, words: &Words
 pub struct ClassifyLanes {
     /// Red, green, blue in 16 bits each.
     colour: Vec<u64>,
-    /// Opacity: `width` entries for each row, the rows of a class of step lengths behind one another.
-    opacity: Vec<u32>,
+    /// Opacity: `width` entries for each row, the rows of a class of step lengths behind one another. Copies of the lanes share it.
+    opacity: Arc<[u32]>,
     width: u32,
     shift: u32,
     threshold: [u32; 2],
@@ -728,7 +760,7 @@ impl ClassifyLanes {
         let last = (table.colour.len() as u32).wrapping_shl(table.index_shift).wrapping_sub(1);
         ClassifyLanes {
             colour: table.colour.iter().map(pack).collect(),
-            opacity: table.opacity.clone(),
+            opacity: table.opacity.as_slice().into(),
             width: table.colour.len() as u32,
             shift: table.index_shift,
             threshold: table.threshold,
@@ -752,7 +784,7 @@ impl ClassifyLanes {
     #[inline(always)]
     fn opacity_in<const FLAT: bool>(&self, magnitude: &Block<u32>, class: &Block<u32>, out: &mut ShadedBlock) {
         let shift = self.shift;
-        let table = self.opacity.as_slice();
+        let table = &*self.opacity;
         let Some(last) = table.len().checked_sub(1) else {
             return;
         };
@@ -772,6 +804,13 @@ impl ClassifyLanes {
             kept[i] = if takes_part { words[i] } else { 0 };
         }
         (out.samples, out.present, out.opacity) = (kept, there, found);
+    }
+
+    /// The opacity of a sample by the table of a class.
+    fn entry(&self, class: u32, sample: i32, magnitude: u32) -> u32 {
+        let (drop, top) = self.rows.unwrap_or((0, 0));
+        let row = class * (top + 1) + (magnitude >> drop).min(top);
+        self.opacity[row as usize * self.width as usize + (sample as u32 >> self.shift) as usize]
     }
 
     /// Colours of a block, to be cleared where the opacity is 0.

@@ -7,6 +7,7 @@
 //! ```
 //! Pfister et al. 1995, section 4.
 
+pub mod ends;
 pub mod golden;
 pub mod lanes;
 mod perspective;

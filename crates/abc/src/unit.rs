@@ -7,10 +7,11 @@
 //! plane's neighbour is the first, so the first is shaded last; rays of a plane likewise. Without a gradient,
 //! rays pass straight through.
 
+use crate::ends::{End, ray_ends};
 use crate::golden::Shaded;
 use crate::lanes::{AbcLanes, Around, HERE, Neighbour, Neighbours, ShadedBlock, ShadedRow, reads};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, PortState, Wait};
-use cube3_host::{BESIDE, DiscreteRay, FrameSetup, Geometry, GradientMethod, MachineSpec, SampleBounds};
+use cube3_host::{BESIDE, DiscreteRay, FrameSetup, Geometry, GradientMethod, MachineSpec, RayStretches, SampleBounds};
 use cube3_trilin::{RaySamples, SampleRay};
 use cube3_word::{BLOCK, Block};
 use serde::{Deserialize, Serialize};
@@ -108,6 +109,10 @@ pub struct Shader {
     /// Of a parallel frame; perspective asks for each sample.
     parallel: Option<Parallel>,
     perspective: Any,
+    /// The rays of every slot, where their ends have parts of a step.
+    stretches: Option<RayStretches>,
+    /// The ends of the rays of the slot in hand, by depth.
+    ends: Vec<End>,
 }
 
 /// What whole rays of a parallel frame are gathered with.
@@ -218,6 +223,8 @@ impl Shader {
             overflows: 0,
             parallel,
             perspective: Any { around: vec![vec![0; setup.geometry.size[2]]; rows], row: ShadedRow::default() },
+            stretches: setup.ends.as_ref().map(|_| RayStretches::new(&setup.geometry)),
+            ends: Vec::new(),
         }
     }
 
@@ -287,6 +294,11 @@ impl Shade for Shader {
         if output.0.len() != self.row / BLOCK - 1 {
             *output = self.blank();
         }
+        if let Some(stretches) = &self.stretches {
+            let rays = stretches.of(plane, slot);
+            self.ends.clear();
+            self.ends.extend(rays.flat_map(|(ray, depths)| ray_ends(ray, depths, setup)));
+        }
         if self.parallel.is_some() {
             self.shade_parallel(setup, plane, slot, output);
         } else {
@@ -298,7 +310,8 @@ impl Shade for Shader {
 impl Shader {
     /// A slot of a parallel frame, whose neighbours are those of the same slots and planes at every depth.
     fn shade_parallel(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut ShadedSamples) {
-        let Shader { arithmetic, planes: buffers, row, kept, overflows, parallel: Some(parallel), .. } = self else {
+        let Shader { arithmetic, planes: buffers, row, kept, overflows, parallel: Some(parallel), ends, .. } = self
+        else {
             return;
         };
         let geometry = &setup.geometry;
@@ -330,6 +343,9 @@ impl Shader {
             let bits = |w: usize, v: usize, u: usize| along_u[3 * w + u] & along_v[3 * w + v];
             let at =
                 |lane: usize| [i64::from(rays_u[from + lane]), i64::from(rays_v[from + lane]), (from + lane) as i64];
+            for End { lane, class } in ends.iter().filter(|end| end.lane / BLOCK == word) {
+                arithmetic.end(lane - from, *class);
+            }
             let saturated = arithmetic.shade_block(
                 #[inline(always)]
                 |out: &mut ShadedBlock| {
@@ -398,6 +414,7 @@ impl Shader {
         if let Some(ray) = rays.first() {
             self.arithmetic.aim(ray.v, ray.u..ray.u + 1);
         }
+        row.ends.clone_from(&self.ends);
         let neighbour = |w: usize, v: usize, u: usize| around[w * 9 + v * 3 + u].as_slice();
         let at = |k: usize| [rays[k].u, rays[k].v, k as i64];
         self.arithmetic.shade(depths, neighbour, at, geometry, row);
@@ -662,7 +679,17 @@ impl<A: Shade> AbcUnit<A> {
 
 impl Archived for Shader {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let Shader { arithmetic: _, row: _, planes, kept: _, overflows, parallel: _, perspective: _ } = self;
+        let Shader {
+            arithmetic: _,
+            row: _,
+            planes,
+            kept: _,
+            overflows,
+            parallel: _,
+            perspective: _,
+            stretches: _,
+            ends: _,
+        } = self;
         planes.iter_mut().try_for_each(|plane| archive.list(plane))?;
         archive.item(overflows)
     }

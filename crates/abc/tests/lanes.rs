@@ -3,7 +3,8 @@
 
 mod registers;
 
-use cube3_abc::golden::{Neighbourhood, Shaded, shade};
+use cube3_abc::ends::End;
+use cube3_abc::golden::{Neighbourhood, Shaded, opacity_class, shade};
 use cube3_abc::lanes::{AbcLanes, Around, Neighbours, ShadedBlock, ShadedRow};
 use cube3_host::{FrameSetup, GradientMethod, GradientRegisters, Shading};
 use cube3_word::{BLOCK, Rounding, Words, unit_full, vectorised};
@@ -20,9 +21,18 @@ struct Row {
 
 fn row(dice: &mut Dice, setup: &FrameSetup, n: usize) -> Row {
     let inside_all = dice.one_in(2);
+    let geometry = &setup.geometry;
+    // At times rays of the frame, of which some samples are ends; others are the only one of their ray that is in its place.
+    let of_frame = setup.ends.is_some() && dice.one_in(2);
+    let first = geometry.first_ray();
+    let [us, vs] = [[first.u, geometry.size[0] as i64 - 1], [first.v, geometry.size[1] as i64 - 1]];
+    let depths = [0, if setup.ends.is_some() { geometry.size[2] as i64 - 1 } else { 4095 }];
+    let [us, vs] = if of_frame { [us, vs] } else { [[-4096, 4095]; 2] };
+    let mut within = |[low, high]: [i64; 2]| dice.within(low, high);
+    let at = (0..n).map(|_| [within(us), within(vs), within(depths)]).collect();
     Row {
+        at,
         samples: (0..n).map(|_| neighbourhood(dice, setup.words.sample_bits())).collect(),
-        at: (0..n).map(|_| [dice.within(-4096, 4095), dice.within(-4096, 4095), dice.within(0, 4095)]).collect(),
         inside: (0..n).map(|_| inside_all || !dice.one_in(4)).collect(),
     }
 }
@@ -53,6 +63,11 @@ fn run(lanes: &mut AbcLanes, row: &Row, setup: &FrameSetup, vectors: bool, out: 
         let [u, v, k] = row.at[lane];
         u8::from(row.inside[lane] && setup.clips.iter().all(|clip| clip.distance.at(u, v, k) >= 0))
     }));
+    out.ends.clear();
+    if let Some(ends) = &setup.ends {
+        let end = |lane: usize| End { lane, class: opacity_class(row.at[lane], setup) };
+        out.ends.extend((0..n).map(end).filter(|end| end.class >= ends.first_class));
+    }
     let (rows, at) = (rows.as_slice(), row.at.as_slice());
     let neighbour = |w: usize, v: usize, u: usize| rows[w * 9 + v * 3 + u].as_slice();
     if vectors {

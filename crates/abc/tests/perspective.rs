@@ -2,7 +2,8 @@
 
 mod registers;
 
-use cube3_abc::golden::{Local, Neighbourhood, Shaded, halfway, local_gradient, shade, view_vector};
+use cube3_abc::ends::End;
+use cube3_abc::golden::{Local, Neighbourhood, Shaded, halfway, local_gradient, opacity_class, shade, view_vector};
 use cube3_abc::lanes::{AbcLanes, ShadedRow};
 use cube3_host::{
     Abc, Bus, BusKind, FrameSetup, GradientMethod, GradientRegisters, GradientScale, MachineSpec, RayRegisters,
@@ -51,6 +52,10 @@ fn assert_golden(setup: &FrameSetup, samples: &[Neighbourhood], at: &[[i64; 3]],
     let rows = rows.as_slice();
     let clear = |at: &[i64; 3]| setup.clips.iter().all(|clip| setup.geometry.evaluate(&clip.distance, *at) >= 0);
     let mut out = ShadedRow { present: at.iter().map(|at| u8::from(clear(at))).collect(), ..ShadedRow::default() };
+    if let Some(ends) = &setup.ends {
+        let end = |lane: usize| End { lane, class: opacity_class(at[lane], setup) };
+        out.ends.extend((0..n).map(end).filter(|end| end.class >= ends.first_class));
+    }
     let neighbour = |w: usize, v: usize, u: usize| rows[w * 9 + v * 3 + u].as_slice();
     lanes.shade(n, neighbour, |lane| at[lane], &setup.geometry, &mut out);
     let mut overflows = 0;

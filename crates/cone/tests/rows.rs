@@ -40,7 +40,7 @@ fn shaded_row(samples: &[Shaded], skip: bool) -> ShadedRow {
         opacity: samples.iter().map(|sample| sample.opacity).collect(),
         colour: [0, 1, 2].map(|i| samples.iter().map(|sample| sample.colour[i]).collect()),
         span: if skip { first.zip(last).map_or((0, 0), |(a, b)| (a, b + 1)) } else { (0, samples.len()) },
-        overflows: 0,
+        ..ShadedRow::default()
     }
 }
 

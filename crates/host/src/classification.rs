@@ -1,6 +1,6 @@
 //! The classification tables: opacity and colour over the sample word.
 
-use crate::{Basis, Classification, GradientRows, MachineSpec, VolumeInfo, gradient_scale};
+use crate::{Basis, Classification, GradientRows, MachineSpec, VolumeInfo, ends, gradient_scale};
 use cube3_scene::{Scene, corrected_opacity};
 use cube3_word::{quantise_unit, unit_full};
 
@@ -33,7 +33,8 @@ fn magnitude_unit(machine: &MachineSpec, volume: &VolumeInfo, basis: &Basis) -> 
     value * dropped * 0.5 * smallest / length
 }
 
-/// The tables, each entry for the middle of the samples (and magnitudes) that share it; opacity for each of the step `lengths`.
+/// The tables, each entry for the middle of the samples (and magnitudes) that share it; opacity for each of the step `lengths`, and for
+/// the ends of rays where these have parts, with the word that is opacity 1 over a `whole` step.
 pub(crate) fn tables(
     scene: &Scene,
     machine: &MachineSpec,
@@ -41,6 +42,7 @@ pub(crate) fn tables(
     lengths: &[f64],
     rows: Option<GradientRows>,
     basis: &Basis,
+    whole: Option<u32>,
 ) -> Classification {
     let words = &machine.words;
     let index_shift = words.sample_bits() - words.table_bits;
@@ -51,21 +53,20 @@ pub(crate) fn tables(
     let wide = f64::from(1_u32 << index_shift);
     let values: Vec<f64> =
         (0..1_u32 << words.table_bits).map(|index| value_of((f64::from(index) + 0.5) * wide - 0.5)).collect();
-    let opacity = |length: f64, value: f64, magnitude: f64| {
-        quantise_unit(corrected_opacity(scene.transfer.opacity_at(value, magnitude), length), words.opacity_bits)
-    };
     let unit = magnitude_unit(machine, volume, basis);
     let row_count = rows.map_or(1, |rows| rows.rows);
     let row_width = rows.map_or(0.0, |rows| f64::from(1_u32 << rows.shift));
-    let opacity = lengths
-        .iter()
-        .flat_map(|&length| (0..row_count).map(move |row| (length, row)))
-        .flat_map(|(length, row)| {
-            let magnitude = ((f64::from(row) + 0.5) * row_width - 0.5).max(0.0) * unit;
-            values.iter().map(move |&value| (length, value, magnitude))
-        })
-        .map(|(length, value, magnitude)| opacity(length, value, magnitude))
+    let magnitudes = (0..row_count).map(|row| ((f64::from(row) + 0.5) * row_width - 0.5).max(0.0) * unit);
+    let alphas: Vec<f64> = magnitudes
+        .flat_map(|magnitude| values.iter().map(move |&value| scene.transfer.opacity_at(value, magnitude)))
         .collect();
+    let one = f64::from(whole.unwrap_or(unit_full(words.opacity_bits)));
+    let word = |alpha: f64, length: f64| (corrected_opacity(alpha, length) * one).round() as u32;
+    let mut opacity: Vec<u32> =
+        lengths.iter().flat_map(|&length| alphas.iter().map(move |&alpha| word(alpha, length))).collect();
+    if let Some(whole) = whole {
+        opacity.extend(ends::tables(&alphas, lengths, scene.mode, words.opacity_bits, whole));
+    }
     let colour = values
         .iter()
         .map(|&value| scene.transfer.colour_at(value).map(|c| quantise_unit(c, words.colour_bits)))

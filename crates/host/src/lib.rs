@@ -6,6 +6,7 @@
 
 mod axes;
 mod classification;
+mod ends;
 mod fan;
 mod geometry;
 mod image_plane;
@@ -21,12 +22,13 @@ mod template;
 mod warp;
 
 pub use axes::{Axes, CanonicalView, canonical};
+pub use ends::{EndRegisters, whole_step_opacity};
 pub use fan::{Fan, FanShape};
 pub use geometry::{DiscreteRay, Geometry, RaySlots};
 pub use image_plane::{ImagePlane, eye};
 pub use machine::{
     Abc, Acquisition, AcquisitionMode, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, Frames,
-    GradientMethod, HostLink, Layout, MachineError, MachineSpec, MemoryType, Rays, Reuse, ShadingUnit, Trilin,
+    GradientMethod, HostLink, Layout, MachineError, MachineSpec, MemoryType, RayEnds, Rays, Reuse, ShadingUnit, Trilin,
 };
 pub use memory::{Command, Constraint, MemoryModel, Rows, Scope, Span};
 pub use perspective::{PLACE_BITS, PassShape, Perspective};

@@ -174,6 +174,20 @@ pub struct Rays {
     /// In perspective: least distance from the eye to the plane on which rays are a voxel apart, in depths of the volume, 0.1 to 4. Rays
     /// are at most 1 + 1/grid voxels apart.
     pub grid: f64,
+    /// How much of a step the first and the last sample of a ray stand for.
+    pub ends: RayEnds,
+}
+
+/// How much of a step the first and the last sample of a ray stand for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RayEnds {
+    /// A whole one, as every sample.
+    #[default]
+    Published,
+    /// What there is of it between where the ray enters or leaves and half way to the next sample: the parts of a ray's samples are its
+    /// length.
+    Exact,
 }
 
 /// The cubic frame buffer.
@@ -386,7 +400,13 @@ impl Default for Frames {
 
 impl Default for Rays {
     fn default() -> Self {
-        Rays { slots: RaySlots::Wrapped, template: TemplateRule::SampleFloor, offset: 0.5, grid: 0.5 }
+        Rays {
+            slots: RaySlots::Wrapped,
+            template: TemplateRule::SampleFloor,
+            offset: 0.5,
+            grid: 0.5,
+            ends: RayEnds::Published,
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! `FrameSetup`: what a driver writes into the machine's registers and tables. Nothing else enters the machine.
 
 use crate::perspective::PLACE_BITS;
-use crate::{Geometry, GradientMethod, Reuse};
+use crate::{EndRegisters, Geometry, GradientMethod, Reuse};
 use cube3_scene::Mode;
 use cube3_word::{Probe, Words};
 use serde::{Deserialize, Serialize};
@@ -33,6 +33,9 @@ pub struct FrameSetup {
     pub cone: ConeRegisters,
     /// What differs from ray to ray in perspective.
     pub rays: Option<RayRegisters>,
+    /// The parts of a step that the ends of rays stand for; absent where each sample stands for a whole step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ends: Option<EndRegisters>,
 }
 
 /// What differs from ray to ray and from depth to depth of a perspective frame, each a table over one axis; rays are in the
@@ -187,7 +190,7 @@ pub struct Classification {
     pub index_shift: u32,
     /// Opacity over the index, unit words of `opacity_bits`; for a two-dimensional table the rows of the
     /// gradient's index follow each other, each of `colour.len()` entries. In perspective there is such a table for each
-    /// class of step lengths.
+    /// class of step lengths; and one for each length that the ends of rays may stand for, where they have parts of their own.
     pub opacity: Vec<u32>,
     /// Colour over the index, unit words of `colour_bits`.
     pub colour: Vec<[u32; 3]>,

@@ -2,12 +2,12 @@
 
 use crate::perspective::{PLACE_BITS, Perspective};
 use crate::{
-    Abc, Axes, BusKind, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientScale,
-    HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, RayRegisters, SLOPE_FRACTION_BITS, ShadingUnit,
-    canonical, classification, largest_offset, shading, slope_register,
+    Abc, Axes, BusKind, ConeRegisters, EndRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters,
+    GradientScale, HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, RayRegisters, SLOPE_FRACTION_BITS,
+    ShadingUnit, canonical, classification, ends, largest_offset, shading, slope_register, whole_step_opacity,
 };
 use cube3_scene::{Mode, Scene, SceneError, ViewFrame};
-use cube3_word::{quantise_fraction, quantise_unit};
+use cube3_word::{Words, quantise_fraction, quantise_unit, unit_full, unit_resize};
 use std::borrow::Cow;
 
 /// Most voxels along an axis: what slope and template registers are exact for.
@@ -71,8 +71,7 @@ pub enum HostError {
     /// Tables of opacity that would take too much memory.
     #[error(
         "the opacity tables of a pass would have 2^{bits} entries (2^{table} samples, 2^{rows} gradients, 2^{classes} step lengths), above the \
-         limit of 2^{MOST_TABLE_BITS}: lower words.table_bits or words.table_gradient_bits in the machine file, or set \
-         transfer.opacity_correction = false in the scene"
+         limit of 2^{MOST_TABLE_BITS}: lower words.table_bits or words.table_gradient_bits in the machine file, or set {remedy}"
     )]
     Tables {
         /// Bits of an address: the sum of the others.
@@ -83,6 +82,8 @@ pub enum HostError {
         rows: u32,
         /// Bits that step lengths give.
         classes: u32,
+        /// What does without them.
+        remedy: &'static str,
     },
 }
 
@@ -127,6 +128,7 @@ pub struct LeftOut {
 /// A view without a direction, and volumes too large for the registers.
 pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, plan: bool) -> Result<Frame, HostError> {
     let view = checked_view(scene, volume)?;
+    check_ends(scene, machine)?;
     let geometry = geometry(scene, machine, volume, &view);
     let (setup, left_out) = registers(scene, machine, volume, plan, &view, geometry);
     Ok(Frame { setup, view, left_out })
@@ -165,11 +167,28 @@ pub(crate) fn check_perspective(scene: &Scene, machine: &MachineSpec) -> Result<
             remedy: "phong",
         });
     }
-    let words = &machine.words;
-    let [table, classes] = [words.table_bits, RayRegisters::MOST_CLASSES.ilog2()];
-    let bits = table + words.table_gradient_bits + classes;
-    if rows && corrects_opacity(scene) && bits > MOST_TABLE_BITS {
-        return Err(HostError::Tables { bits, table, rows: words.table_gradient_bits, classes });
+    if corrects_opacity(scene) {
+        check_tables(scene, machine, RayRegisters::MOST_CLASSES, "transfer.opacity_correction = false in the scene")?;
+    }
+    check_ends(scene, machine)
+}
+
+/// Checks that the opacity tables of a frame with parts of a step for the ends of its rays are not too large.
+fn check_ends(scene: &Scene, machine: &MachineSpec) -> Result<(), HostError> {
+    if !ends::has_ends(scene, machine) {
+        return Ok(());
+    }
+    let classes = RayRegisters::MOST_CLASSES + EndRegisters::CLASSES;
+    check_tables(scene, machine, classes, "rays.ends = \"published\" there")
+}
+
+/// Checks that two-dimensional opacity tables of so many `classes` of step lengths are not too large.
+fn check_tables(scene: &Scene, machine: &MachineSpec, classes: u32, remedy: &'static str) -> Result<(), HostError> {
+    let [table, rows] = [machine.words.table_bits, machine.words.table_gradient_bits];
+    let classes = classes.next_power_of_two().ilog2();
+    let bits = table + rows + classes;
+    if scene.transfer.is_two_dimensional() && bits > MOST_TABLE_BITS {
+        return Err(HostError::Tables { bits, table, rows, classes, remedy });
     }
     Ok(())
 }
@@ -264,7 +283,7 @@ pub(crate) fn registers(
             "6 multipliers a lane and the root table".into(),
         );
     }
-    let clips = clips(scene, &geometry);
+    let clips = clips(scene, machine, &geometry);
     if clips.is_empty() && plan {
         leave("cut planes and crop box", "the scene has none", "12 comparators a lane".into());
     }
@@ -281,12 +300,14 @@ pub(crate) fn registers(
         .perspective
         .as_ref()
         .map(|pass| ray_registers(scene, volume, &geometry, pass, &basis, machine.abc.gradient, &steps));
+    let ends = EndRegisters::new(scene, machine, &geometry, &steps.lengths);
+    let whole = ends.as_ref().map(|_| whole_step_opacity(scene.mode, &words, geometry.size[2]));
     let setup = FrameSetup {
         schema: 1,
         words,
         reuse: machine.trilin.reuse,
         clips,
-        classification: classification::tables(scene, machine, volume, &steps.lengths, rows, &basis),
+        classification: classification::tables(scene, machine, volume, &steps.lengths, rows, &basis, whole),
         gradient,
         normaliser: (normal_needed || !plan).then(|| Normaliser::new(words.normal_bits, machine.abc.root_bits)),
         shading: if lit {
@@ -300,12 +321,26 @@ pub(crate) fn registers(
             order: machine.cone.kind.order(),
             leaves: machine.lanes,
             opaque: quantise_unit(scene.transfer.opaque_alpha, words.opacity_bits).max(1),
-            sum_weight: (1_u64 << ConeRegisters::WEIGHT_BITS) / geometry.size[2] as u64,
+            sum_weight: sum_weight(&words, geometry.size[2], whole),
         },
         geometry,
         rays,
+        ends,
     };
     (setup, left_out)
+}
+
+/// The weight of a weighted sum: one of `depths` samples, or one step of those between the first plane and the last, where opacity 1 over
+/// a `whole` step has a word of its own.
+fn sum_weight(words: &Words, depths: usize, whole: Option<u32>) -> u64 {
+    let one = 1_u64 << ConeRegisters::WEIGHT_BITS;
+    let Some(whole) = whole else {
+        return one / depths as u64;
+    };
+    let bits = words.accumulator_bits;
+    let whole = unit_resize(whole, words.opacity_bits, bits).max(1);
+    let steps = depths.saturating_sub(1).max(1) as u128;
+    (u128::from(one) * u128::from(unit_full(bits)) / (u128::from(whole) * steps)).min(one.into()) as u64
 }
 
 /// Step lengths that opacity is corrected to, in units of the smallest spacing: one in a parallel frame, in perspective the
@@ -341,16 +376,23 @@ impl StepLengths {
             true if range > shortest * SAME_LENGTH => RayRegisters::MOST_CLASSES,
             _ => 1,
         };
+        // Classes from the shortest step to the longest; a ray is in the nearest. So the ray straight ahead has its own length.
         let lengths = (0..classes).map(|class| {
-            let middle = (f64::from(class) + 0.5) / f64::from(classes);
+            let middle = f64::from(class) / f64::from((classes - 1).max(1));
             if corrects { (shortest + range * middle).sqrt() / smallest } else { 1.0 }
         });
-        let top = f64::from((classes << RayRegisters::CLASS_SHIFT) - 2);
-        let part = |squares: &[f64], least: f64| -> Vec<u32> {
-            let part = |square: &f64| if classes == 1 { 0 } else { ((square - least) / range * top) as u32 };
+        let top = f64::from((classes - 1) << RayRegisters::CLASS_SHIFT);
+        let part = |squares: &[f64], least: f64, half: u32| -> Vec<u32> {
+            let part =
+                |square: &f64| if classes == 1 { 0 } else { ((square - least) / range * top).round() as u32 + half };
             squares.iter().map(part).collect()
         };
-        StepLengths { lengths: lengths.collect(), along_u: part(&along_u, least_u), along_v: part(&along_v, least_v) }
+        let half = 1 << (RayRegisters::CLASS_SHIFT - 1);
+        StepLengths {
+            lengths: lengths.collect(),
+            along_u: part(&along_u, least_u, half),
+            along_v: part(&along_v, least_v, 0),
+        }
     }
 }
 
@@ -523,7 +565,7 @@ fn is_unity(scale: &GradientScale) -> bool {
 }
 
 /// A function `normal · p + constant` of the voxel position, over rays and depths, or over places in perspective.
-fn linear(geometry: &Geometry, normal: [f64; 3], constant: f64, fraction_bits: u32) -> Linear {
+pub(crate) fn linear(geometry: &Geometry, normal: [f64; 3], constant: f64, fraction_bits: u32) -> Linear {
     let one = (1_u64 << fraction_bits) as f64;
     // A plane farther away than this decides nothing, and sums over any volume stay within 64 bits.
     let quantise = |x: f64, most: f64| (x * one).clamp(-most, most).round() as i64;
@@ -568,7 +610,8 @@ const ON_FACE: f64 = 1.0 / 65536.0;
 ///
 /// Where samples stand for whole steps and are added up, a sample on a face through which the ray enters is kept, and one on a face through
 /// which it leaves is not: its step lies behind. So between two faces there are as many samples at every offset.
-fn clips(scene: &Scene, geometry: &Geometry) -> Vec<HalfSpace> {
+fn clips(scene: &Scene, machine: &MachineSpec, geometry: &Geometry) -> Vec<HalfSpace> {
+    let whole_steps = scene.mode.adds_up() && !ends::has_ends(scene, machine);
     let half_space = |outward: [f64; 3], through: [f64; 3]| {
         let (normal, constant) = canonical_plane(geometry, outward.map(|x| -x), through);
         let along = match &geometry.perspective {
@@ -577,7 +620,7 @@ fn clips(scene: &Scene, geometry: &Geometry) -> Vec<HalfSpace> {
             Some(_) if normal[0] == 0.0 && normal[1] == 0.0 => normal[2].signum() as i64,
             Some(_) => 0,
         };
-        let kept = if scene.mode.adds_up() { along.signum() as f64 * ON_FACE } else { 0.0 };
+        let kept = if whole_steps { along.signum() as f64 * ON_FACE } else { 0.0 };
         HalfSpace { distance: linear(geometry, normal, constant + kept, HalfSpace::FRACTION_BITS) }
     };
     let mut clips = Vec::new();
@@ -656,6 +699,74 @@ mod tests {
         assert_eq!([6, 7].map(|rows| fits(&scene, 16, rows)), [true, false]);
         scene.transfer.opacity_correction = false;
         assert!(fits(&scene, 16, 8), "one step length");
+    }
+
+    #[test]
+    fn tables_for_the_ends_of_rays_have_a_limit_too() {
+        let volume = VolumeInfo { dims: [4; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
+        let mut scene = Scene::default();
+        let layer = |gradient| cube3_scene::Layer { gradient, opacity: vec![[0.0, 0.0], [255.0, 0.5]] };
+        scene.transfer.layers = vec![layer(0.0), layer(50.0)];
+        scene.transfer.opacity_correction = false;
+        let rays = crate::Rays { ends: crate::RayEnds::Exact, ..crate::Rays::default() };
+        let of = |mode, table_gradient_bits| {
+            let words = Words { table_gradient_bits, ..Words::default() };
+            let machine = MachineSpec { words, rays, ..MachineSpec::default() };
+            let scene = Scene { mode, ..scene.clone() };
+            (frame_setup(&scene, &machine, &volume, true).map(|_| ()), check_perspective(&scene, &machine))
+        };
+        let (parallel, eye) = of(Mode::Composite, 7);
+        assert!(parallel.unwrap_err().to_string().ends_with("or set rays.ends = \"published\" there"));
+        assert!(eye.unwrap_err().to_string().contains("2^27 entries (2^12 samples, 2^7 gradients, 2^8 step lengths)"));
+        assert!(of(Mode::Maximum, 8).0.is_ok(), "no ends");
+        assert!(of(Mode::Composite, 6).1.is_ok());
+    }
+
+    /// A class is at most half of a fifteenth of the range away from a ray's squared step, and the shortest step is a class of its own.
+    #[test]
+    fn step_lengths_of_an_eye_are_within_their_classes() {
+        let scene = Scene::default();
+        for (eye, spacing) in [
+            ([16.0, 16.0, 16.0], [1.0; 3]),
+            ([3.3, 40.0, -20.0], [1.0; 3]),
+            ([16.0, 16.0, -5.0], [1.0, 2.0, 0.5]),
+            ([-9.0, 12.5, 4.2], [1.0, 1.0, 3.0]),
+        ] {
+            let shape = crate::PassShape {
+                size: [33; 3],
+                axes: Axes { axis: [0, 1, 2], reversed: [false; 3] },
+                eye,
+                offset: 0,
+                weight_bits: 8,
+                rule: crate::TemplateRule::SampleFloor,
+                grid: 0.5,
+            };
+            let geometry = Geometry::perspective(&shape).unwrap();
+            let steps = StepLengths::new(&scene, &geometry, spacing);
+            let pass = geometry.perspective.as_ref().unwrap();
+            let smallest = spacing.into_iter().fold(f64::INFINITY, f64::min);
+            let squares: Vec<(f64, usize)> = (0..pass.u.count() * pass.v.count())
+                .map(|i| {
+                    let (column, row) = (i % pass.u.count(), i / pass.u.count());
+                    let [u, v] = [pass.u.slopes[column], pass.v.slopes[row]].map(real_slope);
+                    let square = (spacing[0] * u).powi(2) + (spacing[1] * v).powi(2) + spacing[2].powi(2);
+                    let class = (steps.along_u[column] + steps.along_v[row]) >> RayRegisters::CLASS_SHIFT;
+                    (square / smallest.powi(2), class as usize)
+                })
+                .collect();
+            let [shortest, longest] =
+                [f64::min, f64::max].map(|pick| squares.iter().map(|x| x.0).fold(squares[0].0, pick));
+            let half = (longest - shortest) / 30.0;
+            let bound = (1.0 + half / shortest).sqrt() - 1.0;
+            let mut worst = 0.0_f64;
+            for &(square, class) in &squares {
+                let of_class = steps.lengths[class].powi(2);
+                assert!((of_class - square).abs() <= half * 1.001, "{square}: {of_class}");
+                worst = worst.max((of_class / square).sqrt().max((square / of_class).sqrt()) - 1.0);
+                assert!(square > shortest || (of_class - shortest).abs() < 1e-12);
+            }
+            assert!(worst <= bound * 1.001 && worst > 0.8 * bound, "{worst} of {bound}");
+        }
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::sequence::{MOST_FRAMES, Series, Shown, run_sequence};
 use crate::topology::Drawing;
 use crate::trace::{Format, Window};
 use clap::{Args, Parser, ValueEnum};
-use cube3_host::{AcquisitionMode, GradientMethod, MachineSpec, RaySlots, TemplateRule};
+use cube3_host::{AcquisitionMode, GradientMethod, MachineSpec, RayEnds, RaySlots, TemplateRule};
 use cube3_report::table;
 use cube3_scene::{Mode, Path, Perspective, Scene, View, VolumeSource};
 use std::io::Write;
@@ -82,6 +82,9 @@ pub struct RunArguments {
     /// Whether rays share slots.
     #[arg(long, value_enum)]
     slots: Option<SlotsArgument>,
+    /// What the samples at the ends of rays stand for: a whole step, as published, or their part of it.
+    #[arg(long, value_enum)]
+    ends: Option<EndsArgument>,
     /// Where discrete rays take their floor.
     #[arg(long, value_enum)]
     template: Option<TemplateArgument>,
@@ -145,6 +148,12 @@ enum FidelityArgument {
 enum SlotsArgument {
     Wrapped,
     Padded,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum EndsArgument {
+    Published,
+    Exact,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -351,6 +360,11 @@ impl RunArguments {
         match self.slots {
             Some(SlotsArgument::Wrapped) => machine.rays.slots = RaySlots::Wrapped,
             Some(SlotsArgument::Padded) => machine.rays.slots = RaySlots::Padded,
+            None => {}
+        }
+        match self.ends {
+            Some(EndsArgument::Published) => machine.rays.ends = RayEnds::Published,
+            Some(EndsArgument::Exact) => machine.rays.ends = RayEnds::Exact,
             None => {}
         }
         match self.template {

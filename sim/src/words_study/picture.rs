@@ -10,7 +10,9 @@ use crate::problem::{Outcome, Problem};
 use crate::progress::Progress;
 use crate::reference::{Reference, check_reference, reference_picture};
 use cube3_abc::golden::{gradient, normalise};
-use cube3_host::{Basis, DiscreteRay, FrameSetup, MachineSpec, PictureFrames, picture_setup, step_length, warp_passes};
+use cube3_host::{
+    Basis, DiscreteRay, FrameSetup, MachineSpec, PictureFrames, RayEnds, picture_setup, step_length, warp_passes,
+};
 use cube3_metrics::{Picture, compare, footprint, mean_angle_deg};
 use cube3_raycast::{Interpolation, RaySamples};
 use cube3_scene::{Scene, corrected_opacity};
@@ -197,9 +199,17 @@ impl<'a> SceneCase<'a> {
                 continue;
             }
             let frames = self.frames(design)?;
+            let whole_steps = self.machine.rays.ends == RayEnds::Published;
             let progress = Progress::new("reference");
-            let picture =
-                reference_picture(Reference::Sheared, self.scene, self.machine, self.volume, &frames, true, &progress)?;
+            let picture = reference_picture(
+                Reference::Sheared,
+                self.scene,
+                self.machine,
+                self.volume,
+                &frames,
+                whole_steps,
+                &progress,
+            )?;
             progress.finish();
             let points = match frames.setups.first() {
                 Some(setup) if setup.gradient.is_some() => points(self.scene, self.machine, self.volume, setup)?,

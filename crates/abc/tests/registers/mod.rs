@@ -4,8 +4,8 @@
 use cube3_abc::golden::Neighbourhood;
 use cube3_host::{
     Abc, Axes, Classification, ConeOrder, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters,
-    GradientRows, GradientScale, HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, Phong, PhongLight, RaySlots,
-    Rays, ReflectanceTable, Reuse, Shading, ShadingUnit, TemplateRule, VolumeInfo, frame_setup,
+    GradientRows, GradientScale, HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, Phong, PhongLight, RayEnds,
+    RaySlots, Rays, ReflectanceTable, Reuse, Shading, ShadingUnit, TemplateRule, VolumeInfo, frame_setup,
 };
 use cube3_scene::{ColourPoint, Crop, Cut, DepthCue, Layer, Light, Material, Mode, Scene, Threshold, Transfer, View};
 use cube3_word::{Rounding, Words, unit_full};
@@ -202,6 +202,7 @@ pub fn frame(dice: &mut Dice) -> FrameSetup {
         depth_cue: dice.one_in(3).then(|| LinearFactor { factor: linear(dice, LinearFactor::FRACTION_BITS - 6) }),
         cone: ConeRegisters { mode: Mode::Composite, order: ConeOrder::Tree, leaves: 1, opaque: 1, sum_weight: 0 },
         rays: None,
+        ends: None,
     }
 }
 
@@ -215,6 +216,8 @@ pub fn machine(dice: &mut Dice, words: Words) -> MachineSpec {
             slots: one_of(dice.one_in(2)),
             template: if dice.one_in(2) { TemplateRule::SampleFloor } else { TemplateRule::PlaneFloor },
             offset: dice.real(0.0, 1.0),
+            // Tables for the ends of rays are many.
+            ends: if words.table_bits < 10 && dice.one_in(2) { RayEnds::Exact } else { RayEnds::Published },
             ..Rays::default()
         },
         abc: Abc {

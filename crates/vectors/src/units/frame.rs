@@ -35,6 +35,7 @@ pub fn coloured(colour: [u32; 3], words: &Words) -> FrameSetup {
         depth_cue: None,
         cone: ConeRegisters { mode: Mode::Composite, order: ConeOrder::Tree, leaves: 1, opaque: 1, sum_weight: 0 },
         rays: None,
+        ends: None,
     }
 }
 

@@ -46,7 +46,7 @@ fn pixel<T: Accumulator>(shaded: &Shaded, cone: ConeRegisters, format: &Format) 
         opacity: vec![shaded.opacity],
         colour: shaded.colour.map(|word| vec![word]),
         span: (0, 1),
-        overflows: 0,
+        ..ShadedRow::default()
     };
     let mut lanes = ConeLanes::<T>::new(cone, format.words);
     lanes.push(Some((0, &row, |_: usize| shaded.sample)));

@@ -1,0 +1,164 @@
+//! The ends of rays: registers and tables for the parts of a step that the first and the last sample of a ray stand for.
+//!
+//! Sample k stands for the depths from k + o − ½ to k + o + ½, the first one of a ray from where the ray enters, the last one to where
+//! it leaves: the box of voxel centres, the crop box, the half-spaces of the cuts; in perspective no ray begins before its eye. So the
+//! parts of a ray's samples add up to its length.
+
+use crate::setup::linear;
+use crate::{Geometry, HalfSpace, Linear, MachineSpec, RayEnds, SLOPE_FRACTION_BITS};
+use cube3_scene::{Mode, Scene, corrected_opacity};
+use cube3_word::{Words, unit_full};
+use serde::{Deserialize, Serialize};
+
+/// Registers for the ends of rays.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct EndRegisters {
+    /// The six faces of the box of voxel centres; where the eye is behind the front one, the plane of the eye stands for it.
+    pub faces: [HalfSpace; 6],
+    /// Opacity tables before those of the ends: the classes of step lengths.
+    pub first_class: u32,
+    /// A step of each class of step lengths as a part of the longest, a fraction of [`EndRegisters::STEP_BITS`].
+    pub steps: Vec<u32>,
+}
+
+impl EndRegisters {
+    /// Fraction bits of a reach, in steps: as many as the finest offset has.
+    pub const REACH_BITS: u32 = 12;
+    /// Most steps of a reach, to either side. In a parallel frame a ray meets a face at most so far beyond its last sample: the sample after
+    /// it lacks a voxel, and the one after that is outside.
+    pub const MOST_REACH: u32 = 2;
+    /// Fraction bits of a part of the longest step that has a table of its own.
+    pub const PART_BITS: u32 = 5;
+    /// Fraction bits of `steps`.
+    pub const STEP_BITS: u32 = 12;
+    /// Tables of the ends: one for each part from none to all that reaches on both sides can be.
+    pub const CLASSES: u32 = (2 * Self::MOST_REACH << Self::PART_BITS) + 1;
+
+    /// The registers for a geometry and the lengths of its steps, where the machine and the mode have use for them.
+    pub(crate) fn new(
+        scene: &Scene,
+        machine: &MachineSpec,
+        geometry: &Geometry,
+        lengths: &[f64],
+    ) -> Option<EndRegisters> {
+        let longest = longest(lengths);
+        has_ends(scene, machine).then(|| EndRegisters {
+            faces: faces(geometry),
+            first_class: lengths.len() as u32,
+            steps: lengths
+                .iter()
+                .map(|length| (length / longest * f64::from(1_u32 << Self::STEP_BITS)).round() as u32)
+                .collect(),
+        })
+    }
+}
+
+/// Whether the ends of rays have parts of their own: in modes that add up along a ray.
+pub(crate) fn has_ends(scene: &Scene, machine: &MachineSpec) -> bool {
+    machine.rays.ends == RayEnds::Exact && scene.mode.adds_up()
+}
+
+fn longest(lengths: &[f64]) -> f64 {
+    lengths.iter().copied().fold(0.0, f64::max)
+}
+
+/// Inside of the box of voxel centres: behind its front faces and before its back ones.
+fn faces(geometry: &Geometry) -> [HalfSpace; 6] {
+    let side = |axis: usize, sign: f64, at: f64| {
+        let mut normal = [0.0; 3];
+        normal[axis] = sign;
+        HalfSpace { distance: linear(geometry, normal, -sign * at, HalfSpace::FRACTION_BITS) }
+    };
+    let last = geometry.size.map(|n| (n - 1) as f64);
+    let front = [0.0, 0.0, eye_depth(geometry)];
+    std::array::from_fn(|face| {
+        let (axis, back) = (face / 2, face % 2 == 1);
+        if back { side(axis, -1.0, last[axis]) } else { side(axis, 1.0, front[axis]) }
+    })
+}
+
+/// The depth at which an eye behind the front face is, where rays begin; 0 for others.
+fn eye_depth(geometry: &Geometry) -> f64 {
+    match &geometry.perspective {
+        Some(pass) if pass.first_depth > 0 => pass.first_depth as f64 - pass.spacing[0] as f64 / pass.spacing[1] as f64,
+        _ => 0.0,
+    }
+}
+
+/// The opacity word that stands for opacity 1 over a whole step, where the ends of rays have parts. In a weighted sum an end may weigh as
+/// much as several whole steps, at most as all between the first plane and the last.
+pub fn whole_step_opacity(mode: Mode, words: &Words, depths: usize) -> u32 {
+    let full = unit_full(words.opacity_bits);
+    let most = (depths as u32).saturating_sub(1).clamp(1, 2 * EndRegisters::MOST_REACH);
+    if mode == Mode::WeightedSum { full.div_ceil(most) } else { full }
+}
+
+/// Opacity tables of the ends, for opacities of unit length: class j is for j of the 2^[`EndRegisters::PART_BITS`] parts of the longest
+/// step. One part after the other is composited, which takes one power for all; a weighted sum weighs by the part instead.
+pub(crate) fn tables(alphas: &[f64], lengths: &[f64], mode: Mode, opacity_bits: u32, whole: u32) -> Vec<u32> {
+    let (full, whole) = (f64::from(unit_full(opacity_bits)), f64::from(whole));
+    let part = 1.0 / f64::from(1_u32 << EndRegisters::PART_BITS);
+    let composites = mode == Mode::Composite;
+    let length = longest(lengths) * part;
+    let each: Vec<f64> =
+        alphas.iter().map(|&alpha| if composites { corrected_opacity(alpha, length) } else { alpha * part }).collect();
+    let mut sum = vec![0.0; alphas.len()];
+    let mut words = Vec::with_capacity(alphas.len() * EndRegisters::CLASSES as usize);
+    for _ in 0..EndRegisters::CLASSES {
+        words.extend(sum.iter().map(|&sum| (sum * whole).round().min(full) as u32));
+        for (sum, each) in sum.iter_mut().zip(&each) {
+            *sum += if composites { (1.0 - *sum) * each } else { *each };
+        }
+    }
+    words
+}
+
+impl Geometry {
+    /// By how much a linear function changes from a sample of ray (u, v) to the next.
+    pub fn step(&self, function: &Linear, [u, v]: [i64; 2]) -> i64 {
+        let Some(pass) = &self.perspective else {
+            return function.k;
+        };
+        let slopes = [pass.u.slopes[(u - pass.u.first) as usize], pass.v.slopes[(v - pass.v.first) as usize]];
+        let across = i128::from(function.u) * i128::from(slopes[0]) + i128::from(function.v) * i128::from(slopes[1]);
+        function.k + (across >> SLOPE_FRACTION_BITS) as i64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cube3_word::quantise_unit;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Parts that are composited one after another have the opacity of their length.
+        #[test]
+        fn tables_of_ends_are_those_of_their_lengths(alpha in 0.0..=1.0_f64, length in 0.5..40.0_f64, bits in 1_u32..=16) {
+            let full = unit_full(bits);
+            let table = tables(&[alpha, 0.0, 1.0], &[0.5, length], Mode::Composite, bits, full);
+            prop_assert_eq!(table.len(), 3 * EndRegisters::CLASSES as usize);
+            for (class, entries) in table.chunks(3).enumerate() {
+                let part = length * class as f64 / 32.0;
+                let exact = corrected_opacity(alpha, part);
+                let near = |by: f64| quantise_unit((exact * f64::from(full) + by) / f64::from(full), bits);
+                prop_assert!((near(-1e-9)..=near(1e-9)).contains(&entries[0]), "class {}", class);
+                prop_assert_eq!(&entries[1..], &[0, if class == 0 { 0 } else { full }]);
+            }
+        }
+
+        /// In a weighted sum a word is worth its part of a whole step, and the word has room for the largest part that a frame can have.
+        #[test]
+        fn words_of_a_weighted_sum_have_room_for_the_largest_part(alpha in 0.0..=1.0_f64, bits in 4_u32..=16, depths in 1_usize..12) {
+            let words = Words { opacity_bits: bits, ..Words::default() };
+            let (full, whole) = (unit_full(bits), whole_step_opacity(Mode::WeightedSum, &words, depths));
+            let table = tables(&[alpha], &[1.0], Mode::WeightedSum, bits, whole);
+            let most = (depths.max(2) - 1).min(4);
+            prop_assert!(most as u32 * whole >= full && (most as u32 * whole) < full + most as u32);
+            for (class, &word) in table[..=most << EndRegisters::PART_BITS].iter().enumerate() {
+                let exact = (alpha * class as f64 / 32.0 * f64::from(whole)).min(f64::from(full));
+                prop_assert!((f64::from(word) - exact).abs() <= 0.5 + 1e-6, "{} {}", word, exact);
+            }
+        }
+    }
+}
