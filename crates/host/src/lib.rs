@@ -21,6 +21,7 @@ mod template;
 mod warp;
 
 pub use axes::{Axes, CanonicalView, canonical};
+pub use classification::OpacityEntries;
 pub use fan::{Fan, FanShape};
 pub use geometry::{DiscreteRay, Geometry, RaySlots};
 pub use image_plane::{ImagePlane, eye};
