@@ -31,14 +31,16 @@ impl<'a> Findings<'a> {
     ) -> Findings<'a> {
         let counts = volume.words.counts();
         let setup = frames.setups.first();
-        let check = setup.and_then(|setup| CheckedFrame { scene, machine, volume, setup, counts: &counts }.check());
+        let check = setup.map(|setup| CheckedFrame { scene, machine, volume, setup, counts: &counts }.check());
         let crowding = crowding(volume, &counts);
         Findings { scene, machine, volume, setup, counts, check, crowding }
     }
 
-    /// The opacity table's part of the report.
+    /// The opacity table's part of the report. None in modes that show a single sample of a ray: its opacity is rounded once, and
+    /// summed with nothing.
     pub(crate) fn opacity(&self) -> Option<OpacityReport> {
-        self.check.as_ref().map(|check| check.report)
+        let summed = !matches!(self.scene.mode, Mode::Maximum | Mode::Minimum);
+        self.check.as_ref().filter(|_| summed).map(|check| check.report)
     }
 
     /// The notes on a run that gave these base planes, where it gave any, of so many samples.
@@ -53,7 +55,7 @@ impl<'a> Findings<'a> {
 
     /// Where the opacity table is not the scene's.
     fn table(&self) -> Option<String> {
-        let report = &self.check.as_ref()?.report;
+        let report = self.opacity()?;
         let rounding = is_worth_a_note(&report.rounding).then(|| self.rounding()).flatten();
         // Crowded words have their own note, and the same remedy.
         let narrow = is_worth_a_note(&report.entries) && self.crowding.is_none();

@@ -56,11 +56,9 @@ pub struct CheckedFrame<'a> {
 }
 
 impl CheckedFrame<'_> {
-    /// The check of the frame's own table. None in modes that show a single sample of a ray: its opacity is rounded once and summed
-    /// with nothing.
-    pub fn check(&self) -> Option<OpacityCheck> {
-        let summed = !matches!(self.scene.mode, Mode::Maximum | Mode::Minimum);
-        summed.then(|| self.against(&self.setup.words, Some(&self.setup.classification)))
+    /// The check of the frame's own table.
+    pub fn check(&self) -> OpacityCheck {
+        self.against(&self.setup.words, Some(&self.setup.classification))
     }
 
     /// The shortest words with which something is left, and no change by rounding is worth a note.

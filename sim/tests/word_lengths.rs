@@ -154,7 +154,7 @@ fn the_machines_own_words_have_the_error_of_a_run() {
     let (machine, volume) = (MachineSpec::default(), load(&scene));
     let options = RunOptions { runs: Runs::Function, reference: Reference::Sheared, ..RunOptions::default() };
     let run = run_frame(&scene, &machine, &volume, &options).unwrap();
-    let expected = run.report.error.unwrap().footprint.error;
+    let expected = run.report.error.unwrap().footprint.error.unwrap();
     let row = small().rows.iter().find(|row| row.sweep == Sweep::Machine).unwrap();
     assert_eq!(row.design, Design::of(machine.words, Variant::ALL[0]));
     let image = row.measured.image;

@@ -18,7 +18,7 @@ pub struct Histogram {
 impl VoxelWords {
     /// How many voxels have each of the 2^bits words.
     pub fn counts(&self) -> Vec<u64> {
-        const CHUNK: usize = 1 << 20;
+        const CHUNK: usize = 1 << 22;
         let size = 1 << self.bits;
         let chunk = |words: &[u16]| {
             // Neighbours are often equal, and one counter after another of the same word would wait for memory: four tables.
@@ -56,22 +56,27 @@ impl VoxelWords {
     /// are counted.
     pub fn flat_counts(&self, low_bits: u32, asked: &[bool]) -> Vec<u64> {
         let [nx, ny, nz] = self.dims;
-        let strides = [1, nx, nx * ny];
-        let leading = |index: usize| self.words[index] >> low_bits;
+        let like = |index: usize, other: usize| self.words[index] >> low_bits == self.words[other] >> low_bits;
         let row = |row: usize| {
-            let flat = move |&x: &usize| {
-                let (at, sizes) = ([x, row % ny, row / ny], [nx, ny, nz]);
+            let (y, z) = (row % ny, row / ny);
+            let flat = move |x: usize| {
                 let index = row * nx + x;
-                let along = |axis: &usize| {
-                    let before = at[*axis] == 0 || leading(index - strides[*axis]) == leading(index);
-                    let behind = at[*axis] + 1 == sizes[*axis] || leading(index + strides[*axis]) == leading(index);
-                    before && behind
+                let along = |at: usize, size: usize, stride: usize| {
+                    (at == 0 || like(index, index - stride)) && (at + 1 == size || like(index, index + stride))
                 };
-                asked[usize::from(self.words[index])] && (0..3).filter(along).count() >= 2
+                [along(x, nx, 1), along(y, ny, nx), along(z, nz, nx * ny)].into_iter().filter(|flat| *flat).count() >= 2
             };
-            (0..nx).filter(flat).map(move |x| self.words[row * nx + x]).collect::<Vec<u16>>()
+            let words = self.words[row * nx..][..nx].iter().enumerate();
+            words.filter(move |&(x, &word)| asked[usize::from(word)] && flat(x)).map(|(_, &word)| word)
         };
-        let found: Vec<u16> = (0..ny * nz).into_par_iter().flat_map_iter(row).collect();
+        let first = asked.iter().position(|asked| *asked).unwrap_or(asked.len());
+        let last = asked.iter().rposition(|asked| *asked).unwrap_or(0);
+        // Few rows have any such word, and to see that takes a vector's comparisons.
+        let any = |row: &usize| {
+            let range = first..=last;
+            self.words[row * nx..][..nx].iter().fold(false, |any, &word| any | range.contains(&usize::from(word)))
+        };
+        let found: Vec<u16> = (0..ny * nz).into_par_iter().filter(any).flat_map_iter(row).collect();
         let mut counts = vec![0; asked.len()];
         found.into_iter().for_each(|word| counts[usize::from(word)] += 1);
         counts
