@@ -82,10 +82,15 @@ impl<'a> Findings<'a> {
                 format!("{} in the machine file holds it", longer.join(" and "))
             }
         };
-        Some(format!(
-            "opacities of {} of the voxels are off by more than a tenth in words of {bits} bits: {real} becomes {held}; {remedy}",
-            percentage(report.rounding.fraction)
-        ))
+        let share = percentage(report.rounding.fraction);
+        Some(match self.scene.mode {
+            Mode::FirstOpaque | Mode::LastOpaque => format!(
+                "{share} of the voxels are opaque in the scene and not in the table, or the other way round, in words of {bits} bits; {remedy}"
+            ),
+            _ => format!(
+                "opacities of {share} of the voxels are off by more than a tenth in words of {bits} bits: {real} becomes {held}; {remedy}"
+            ),
+        })
     }
 
     /// What the width of the table's entries does.

@@ -143,17 +143,23 @@ impl CheckedFrame<'_> {
         let mut sums = Sums::default();
         sums.check.report.smallest_opacity = seen.smallest();
         for (word, value, opacities) in &found {
-            let shares = [counts[*word], flat[*word]].map(|count| count as f64 / voxels / opacities.len() as f64);
-            opacities.iter().for_each(|&opacities| sums.add(*value, opacities, shares));
+            let voxels = [counts[*word], flat[*word]].map(|count| count as f64 / opacities.len() as f64);
+            opacities.iter().for_each(|&opacities| sums.add(*value, opacities, voxels));
         }
-        let sample_values = (volume.words.window[1] - volume.words.window[0]) / f64::from(unit_full(words.voxel_bits));
-        let OpacityReport { rounding, entries, .. } = &mut sums.check.report;
-        for change in [rounding, entries] {
-            change.ray_less *= samples;
-            change.ray_more *= samples;
+        // By halves, for a window as wide as numbers go.
+        let [low, high] = volume.words.window.map(|end| end / 2.0 / f64::from(unit_full(words.voxel_bits)));
+        let halves = f64::from(2_u32 << index_shift) / f64::from(1_u32 << words.sample_fraction_bits);
+        let OpacityReport { shown_fraction, lost_fraction, off_fraction, rounding, entries, .. } =
+            &mut sums.check.report;
+        for change in [&mut *rounding, &mut *entries] {
+            change.ray_less *= samples / voxels;
+            change.ray_more *= samples / voxels;
         }
-        sums.check.report.entry_width =
-            sample_values * f64::from(1_u32 << index_shift) / f64::from(1_u32 << words.sample_fraction_bits);
+        // Whole voxels were summed: of all of them the fraction is 1.
+        for fraction in [shown_fraction, lost_fraction, off_fraction, &mut rounding.fraction, &mut entries.fraction] {
+            *fraction /= voxels;
+        }
+        sums.check.report.entry_width = ((high - low) * halves).min(f64::MAX);
         sums.check
     }
 }
@@ -201,27 +207,27 @@ struct Sums {
 }
 
 impl Sums {
-    /// A share of the voxels, and of those that lie flat, whose opacity is `real`, in the middle of their entry `centre`, and in the
-    /// table `held`.
-    fn add(&mut self, value: f64, [real, centre, held]: [f64; 3], [share, flat]: [f64; 2]) {
+    /// Voxels, and those of them that lie flat, whose opacity is `real`, in the middle of their entry `centre`, and in the table
+    /// `held`.
+    fn add(&mut self, value: f64, [real, centre, held]: [f64; 3], [voxels, flat]: [f64; 2]) {
         let OpacityCheck { report, rounded, misplaced } = &mut self.check;
         if real > 0.0 {
-            report.shown_fraction += share;
+            report.shown_fraction += voxels;
         }
         if real > 0.0 && held == 0.0 {
-            report.lost_fraction += share;
+            report.lost_fraction += voxels;
         }
         if !differ(real, held) {
             return;
         }
-        report.off_fraction += share;
+        report.off_fraction += voxels;
         if (held - centre).abs() >= (centre - real).abs() {
-            let change = add(&mut report.rounding, [real, held], [share, share]);
+            let change = add(&mut report.rounding, [real, held], [voxels, voxels]);
             if change > self.largest[0] {
                 (self.largest[0], *rounded) = (change, [real, held]);
             }
         } else {
-            let change = add(&mut report.entries, [real, held], [share, flat]);
+            let change = add(&mut report.entries, [real, held], [voxels, flat]);
             if change > self.largest[1] {
                 (self.largest[1], *misplaced) = (change, [value, real, held]);
             }
@@ -234,10 +240,10 @@ fn differ(from: f64, to: f64) -> bool {
     (from - to).abs() > OFF * from
 }
 
-/// Adds a share of the voxels whose opacity changes, and what of it is felt, and gives how much changes.
-fn add(change: &mut OpacityChange, [from, to]: [f64; 2], [share, felt]: [f64; 2]) -> f64 {
-    change.fraction += share;
+/// Adds voxels whose opacity changes, and how many of them are felt, and gives how much changes.
+fn add(change: &mut OpacityChange, [from, to]: [f64; 2], [voxels, felt]: [f64; 2]) -> f64 {
+    change.fraction += voxels;
     change.ray_less += felt * (from - to).max(0.0);
     change.ray_more += felt * (to - from).max(0.0);
-    share * (from - to).abs()
+    voxels * (from - to).abs()
 }
