@@ -167,11 +167,15 @@ fn a_band_narrower_than_an_entry_is_lost_and_the_note_has_the_index_that_finds_i
     assert_eq!((opacity(&held).lost_fraction, held.notes.len()), (0.0, 0));
 }
 
-/// The step of a smooth ball falls within an entry, and samples pass through it: nothing that could be seen.
+/// Voxels of 108 lie below the step at 108 by the middle of their entry, and on a slope no samples beside them have that value:
+/// they are counted, and nothing can be seen.
 #[test]
 fn an_entry_that_samples_pass_through_is_counted_and_not_noted() {
-    let ball = Phantom::Sphere.generate(48, &Default::default()).unwrap();
-    let result = run(&scene(&[[20_003.0, 0.0], [20_003.0, 0.9]]), &machine(), &words(ball, None));
+    let slope = Volume::from_fn([16; 3], [1.0; 3], |x, y, z| 100 + ((x + y + z) % 16) as u8).unwrap();
+    let result = run(&scene(&[[108.0, 0.0], [108.0, 0.9]]), &machine(), &words(slope, Some([0.0, 255.0])));
+    let found = opacity(&result);
+    assert_eq!((found.shown_fraction, found.lost_fraction, found.entries.fraction), (0.5, 0.0625, 0.0625));
+    assert_eq!((found.entries.ray_less, found.entries.ray_more), (0.0, 0.0));
     assert_eq!(result.notes, [""; 0]);
 }
 
