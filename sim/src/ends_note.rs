@@ -37,8 +37,8 @@ pub(crate) fn note(
     };
     let object = footprint(image, &exact, scene.background)?;
     let comparison = compare(image, &exact, Some(&object))?;
-    let levels = 255.0 * comparison.footprint.mean_relative;
-    Ok((comparison.footprint_pixels > 0 && levels > LEVELS).then(|| {
+    let levels = comparison.footprint.map(|error| 255.0 * error.mean_relative);
+    Ok(levels.filter(|levels| *levels > LEVELS).map(|levels| {
         format!(
             "each sample stands for a whole step, also at the ends of rays: with rays.ends = \"exact\" the picture differs by {levels:.1} of \
              255 levels on average over the object"

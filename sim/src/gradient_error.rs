@@ -15,7 +15,7 @@ const MOST_RAYS: usize = 16_384;
 pub fn mean_angle_deg(setups: &[FrameSetup], volume: &VoxelWords) -> Option<f64> {
     let pairs = setups.iter().flat_map(|setup| gradient_pairs(setup, volume));
     let error = cube3_metrics::mean_angle_deg(pairs).ok()?;
-    (error.count > error.degenerate).then_some(error.mean_deg)
+    error.mean_deg.filter(|_| error.count > error.degenerate)
 }
 
 /// The machine's gradients and the true ones.

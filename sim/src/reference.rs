@@ -6,7 +6,7 @@ use crate::progress::Progress;
 use cube3_host::{MachineSpec, PictureFrames};
 use cube3_metrics::{Picture, compare, footprint};
 use cube3_raycast::{DiscreteOptions, ImageOrderOptions, image_order, sheared, true_3d};
-use cube3_report::ReferenceError;
+use cube3_report::{ErrorReport, ReferenceError};
 use cube3_scene::Scene;
 use std::str::FromStr;
 
@@ -147,10 +147,10 @@ pub(crate) fn reference_error(
     let half = Picture::new(half.width, half.height, half.pixels)?;
     let object = footprint(&some, &half, scene.background)?;
     let comparison = compare(&some, &half, Some(&object))?;
-    Ok((comparison.footprint_pixels > 0).then_some(ReferenceError {
+    Ok(comparison.footprint.map(|error| ReferenceError {
         step_voxel,
         against_step_voxel: step_voxel / 2.0,
-        error: comparison.footprint,
+        error,
         pixels: comparison.footprint_pixels,
     }))
 }
@@ -159,7 +159,8 @@ pub(crate) fn reference_error(
 const SMALL: f64 = 0.25;
 
 /// What to say where the reference's own error is not small beside the distance that is measured with it.
-pub(crate) fn note(own: Option<&ReferenceError>, distance: f64) -> Option<String> {
+pub(crate) fn note(own: Option<&ReferenceError>, measured: &ErrorReport) -> Option<String> {
+    let distance = measured.footprint.error?.mean_relative;
     let own = own.filter(|own| own.error.mean_relative > SMALL * distance)?;
     Some(format!(
         "the reference itself is {:.2} % from the same at half its step, over the object, and the picture is {:.2} % from the reference: \

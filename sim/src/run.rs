@@ -9,6 +9,7 @@ use crate::gradient_error;
 use crate::inputs::LoadedVolume;
 use crate::limits;
 use crate::machine::{Machine, Overflows, RunCounters};
+use crate::notes::Findings;
 use crate::problem::{Outcome, Problem};
 use crate::progress::Progress;
 use crate::reference::{self, Reference, check_reference, reference_error, reference_picture};
@@ -21,9 +22,9 @@ use cube3_host::{
 };
 use cube3_metrics::{Picture, compare, difference, footprint, suggested_factor};
 use cube3_report::{
-    ChannelReport, DigestReport, ErrorReport, LeftOut, MemoryTraffic, PassReport, PerspectiveReport, PlanReport,
-    Program, RunReport, SCHEMA, SequenceReport, TimingCounts, TrafficReport, UnitReport, ViewReport, VolumeReport,
-    WallReport, WordsReport, sha256_hex,
+    ChannelReport, DigestReport, ErrorReport, LeftOut, MemoryTraffic, OpacityReport, PassReport, PerspectiveReport,
+    PlanReport, Program, RunReport, SCHEMA, SequenceReport, TimingCounts, TrafficReport, UnitReport, ViewReport,
+    VolumeReport, WallReport, WordsReport, sha256_hex,
 };
 use cube3_scene::Scene;
 use std::collections::BTreeMap;
@@ -142,6 +143,7 @@ pub fn run_frame_with(
     let scene = &*scene.thickened(volume.single);
     let frames = picture_setup(scene, machine, &volume.info(), options.plan)?;
     check_reference(options.reference, &frames)?;
+    let findings = Findings::new(scene, machine, volume, &frames);
     let mut run = run_machine(&frames, machine, volume, options, stops)?;
     let mut pictures = Pictures::default();
     let mut digest = DigestReport::default();
@@ -160,7 +162,7 @@ pub fn run_frame_with(
             let seconds = progress.finish();
             let own = reference_error(reference, scene, volume, &picture)?;
             let mut error = measure(reference, scene, &frames, volume, picture, &mut pictures)?;
-            run.told.extend(reference::note(own.as_ref(), error.footprint.error.mean_relative));
+            run.told.extend(reference::note(own.as_ref(), &error));
             error.reference = own;
             (Some(error), Some(seconds))
         }
@@ -168,10 +170,12 @@ pub fn run_frame_with(
     let samples = frames.setups.iter().map(|setup| setup.geometry.sample_count()).sum();
     let wall = WallReport { reference_s, total_s: Some(total.finish()), ..run.wall(samples) };
     let asked = Asked { scene: as_asked, machine, volume, options };
-    let found = Found { frames: 1, incoming: None, interval: None, samples, error, digest, wall, sequence: None };
+    let opacity = findings.opacity();
+    let found =
+        Found { frames: 1, incoming: None, interval: None, samples, opacity, error, digest, wall, sequence: None };
     let report = asked.report(&frames, &run, found)?;
     let mut told = run.told;
-    told.extend(notes(scene, volume, run.bases.as_deref(), samples));
+    told.extend(findings.notes(run.bases.as_deref(), samples));
     Ok(RunResult { report, pictures, notes: told, counters: run.counters })
 }
 
@@ -191,6 +195,7 @@ pub(crate) struct Found {
     /// Cycles from a picture's last pixel to the next one's; measured on the picture following itself where it is not given.
     pub(crate) interval: Option<u64>,
     pub(crate) samples: u64,
+    pub(crate) opacity: Option<OpacityReport>,
     pub(crate) error: Option<ErrorReport>,
     pub(crate) digest: DigestReport,
     pub(crate) wall: WallReport,
@@ -247,7 +252,7 @@ impl Asked<'_> {
             traffic: run.counters.as_ref().map(traffic_report),
             units: run.counters.as_ref().map_or_else(Vec::new, unit_reports),
             channels: run.counters.as_ref().map_or_else(Vec::new, channel_reports),
-            words: words_report(run, volume),
+            words: WordsReport { opacity: found.opacity, ..words_report(run, volume) },
             error: found.error,
             digest: found.digest,
             wall: found.wall,
@@ -403,30 +408,6 @@ fn side_by_side(bases: &[BasePlane], background: [f64; 3]) -> Outcome<Option<Pic
     Ok(Some(Picture::new(width, height, pixels)?))
 }
 
-/// Why a picture is empty, where it is.
-pub(crate) fn notes(scene: &Scene, volume: &LoadedVolume, bases: Option<&[BasePlane]>, samples: u64) -> Vec<String> {
-    if bases.is_none_or(|bases| bases.iter().flat_map(|base| &base.pixels).any(|pixel| pixel[3] > 0)) {
-        return Vec::new();
-    }
-    let [low, high] = volume.words.window;
-    let layers = scene.transfer.layers.iter().flat_map(|layer| &layer.opacity);
-    let mut points = scene.transfer.opacity.iter().chain(layers).filter(|point| point[1] > 0.0);
-    let why = match points.next() {
-        _ if samples == 0 && scene.view.perspective.is_some() => {
-            "no ray from this eye meets the volume; turn the view, or move the eye".to_owned()
-        }
-        _ if samples == 0 => {
-            "the volume has no sample in this view; try another view, or rays.offset = 0 in the machine file".to_owned()
-        }
-        None => "the transfer function is transparent everywhere".to_owned(),
-        Some(point) => format!(
-            "data values are {low} to {high}, and the transfer function's first opacity above 0 is at {}",
-            point[0]
-        ),
-    };
-    vec![format!("nothing is visible: {why}")]
-}
-
 /// Raw pixels of a base plane: each word as 32 bits, little-endian.
 fn bytes(base: &BasePlane) -> Vec<u8> {
     base.pixels.iter().flatten().flat_map(|word| word.to_le_bytes()).collect()
@@ -577,5 +558,5 @@ fn words_report(run: &MachineRun, volume: &LoadedVolume) -> WordsReport {
         overflows.insert("gradient and colour".into(), run.overflows.shading);
         overflows.insert("pixel".into(), run.overflows.pixel);
     }
-    WordsReport { overflows }
+    WordsReport { overflows, opacity: None }
 }

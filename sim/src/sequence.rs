@@ -16,14 +16,15 @@ use crate::ends_note;
 use crate::fidelity::Timing;
 use crate::inputs::{self, LoadedVolume};
 use crate::machine::{Machine, Overflows, RunCounters};
+use crate::notes::Findings;
 use crate::problem::{Outcome, Problem};
 use crate::progress::{Progress, Waiting};
 use crate::reference::{self, Reference, check_reference, reference_error, reference_picture};
-use crate::run::{Asked, Found, MachineRun, Pictures, RunOptions, RunResult, Runs, function, measure, notes, show};
+use crate::run::{Asked, Found, MachineRun, Pictures, RunOptions, RunResult, Runs, function, measure, show};
 use cube3_cfb::{AcquisitionPort, PortSpec};
 use cube3_host::{AcquisitionMode, BasePlane, FrameSetup, MachineSpec, PictureFrames, picture_setup};
-use cube3_metrics::{ImageError, Picture, compare};
-use cube3_report::{AcquisitionReport, DigestReport, FrameReport, SequenceReport, WallReport};
+use cube3_metrics::{ImageError, Picture, compare, footprint};
+use cube3_report::{AcquisitionReport, DigestReport, FrameReport, NO_OBJECT, SequenceReport, WallReport};
 use cube3_scene::{Scene, VolumeSource};
 use cube3_volume::{Phantom, ReadOptions};
 use std::collections::{BTreeMap, VecDeque};
@@ -267,7 +268,7 @@ pub fn run_sequence(
                 Some(bases)
             }
         };
-        let (mut error, mut digest) = (None, DigestReport::default());
+        let (mut error, mut remark, mut digest) = (None, None, DigestReport::default());
         if let Some(bases) = &bases {
             let (mut shown, made) = show(bases, &frame, view, &first)?;
             digest = made;
@@ -279,12 +280,13 @@ pub fn run_sequence(
                 if index == 0 {
                     let own = reference_error(options.reference, view, &expected, &picture)?;
                     let mut report = measure(options.reference, view, &frame, &expected, picture, &mut shown)?;
-                    run.told.extend(reference::note(own.as_ref(), report.footprint.error.mean_relative));
+                    run.told.extend(reference::note(own.as_ref(), &report));
                     report.reference = own;
-                    error = Some(report.whole);
+                    (error, remark) = (report.whole, report.remark.clone());
                     first_error = Some(report);
                 } else {
-                    error = Some(difference(&shown, &picture)?);
+                    error = difference(&shown, &picture, view.background)?;
+                    remark = error.is_none().then(|| NO_OBJECT.into());
                 }
             }
             if let Some(picture) = &shown.image {
@@ -314,6 +316,7 @@ pub fn run_sequence(
             mixed_beams: mixture.mixed_beams,
             first_torn_plane: mixture.first_torn_plane,
             error,
+            remark,
             digest,
         });
         end = this.unwrap_or_default();
@@ -347,6 +350,7 @@ pub fn run_sequence(
     }
     let wall = WallReport { reference_s, total_s: Some(total.finish()), ..run.wall(samples) };
     let asked = Asked { scene, machine, volume: &first, options };
+    let findings = Findings::new(&views[0], machine, &first, &frame);
     let found = Found {
         frames: frames as u64,
         incoming: clocked_port.then_some(first.words.dims),
@@ -355,6 +359,7 @@ pub fn run_sequence(
             _ => None,
         }),
         samples,
+        opacity: findings.opacity(),
         error: first_error,
         digest: first_digest,
         wall,
@@ -364,7 +369,7 @@ pub fn run_sequence(
     report.words.overflows.insert("voxel".into(), series.clipped.values().sum());
     let seen = frame.setups.iter().map(|setup| setup.geometry.sample_count()).sum();
     let mut told = run.told;
-    told.extend(notes(scene, &first, run.bases.as_deref(), seen));
+    told.extend(findings.notes(run.bases.as_deref(), seen));
     Ok(RunResult { report, pictures, notes: told, counters: run.counters })
 }
 
@@ -446,9 +451,11 @@ fn content(series: &mut Series, sight: Option<&Sight<'_>>, mixture: &Mixture) ->
     Ok(Content::Mixed(sight.assemble(mixture.oldest, &words)))
 }
 
-fn difference(shown: &Pictures, reference: &Picture) -> Outcome<ImageError> {
+fn difference(shown: &Pictures, reference: &Picture, background: [f64; 3]) -> Outcome<Option<ImageError>> {
     let image = shown.image.as_ref().ok_or_else(|| Problem::new("there is no picture to measure"))?;
-    Ok(compare(image, reference, None)?.whole)
+    let object = footprint(image, reference, background)?;
+    let whole = compare(image, reference, None)?.whole;
+    Ok(object.any().then_some(whole))
 }
 
 /// Frames per second between the ends of the first and the last frame; of one frame, from its start.

@@ -267,6 +267,26 @@ fn mistakes_of_verify_and_vectors_get_one_message() {
     assert!(std::fs::read_dir(folder.path()).unwrap().next().is_none());
 }
 
+/// Nothing that was compared is no result: a scene that shows nothing, vectors without a line.
+#[test]
+fn nothing_is_not_verified() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let output = cube3(path, &["verify", "--words", "--phantom", "marschner-lobb", "--size", "8"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("the scene shows nothing"), "{}", text(&output.stderr));
+
+    assert!(cube3(path, &["vectors", "--unit", "lerp", "--count", "3", "--out", "."]).status.success());
+    let vectors = std::fs::read_to_string(path.join("lerp.hex")).unwrap();
+    let header = |line: &&str| line.starts_with("//") && !line.contains("sha256");
+    let empty = vectors.lines().filter(header).map(|line| format!("{line}\n")).collect::<String>();
+    std::fs::write(path.join("none.hex"), empty).unwrap();
+    std::fs::write(path.join("answers.hex"), "").unwrap();
+    let output = cube3(path, &["verify", "--vectors", "none.hex", "--against", "answers.hex"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("no line to compare"), "{}", text(&output.stderr));
+}
+
 /// Vectors, a device that is right, one that is wrong, and one that does not answer.
 #[test]
 fn a_device_is_held_against_vectors() {

@@ -164,7 +164,7 @@ fn the_machines_own_words_have_the_error_of_a_run() {
     let pixels = base.warp(geometry, &frames.plane, volume.data.spacing, scene.background);
     let reference = Picture::new(image.width, image.height, pixels).unwrap();
     let object = footprint(&image, &reference, scene.background).unwrap();
-    let expected = compare(&image, &reference, Some(&object)).unwrap().footprint;
+    let expected = compare(&image, &reference, Some(&object)).unwrap().footprint.unwrap();
     let row = small().rows.iter().find(|row| row.sweep == Sweep::Machine).unwrap();
     assert_eq!(row.design, Design::of(machine.words, Variant::ALL[0]));
     let image = row.measured.image;

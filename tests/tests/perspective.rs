@@ -357,7 +357,7 @@ fn the_head_is_as_near_to_the_reference_as_in_parallel() {
         let volume = inputs::volume(&scene, &machine, &ReadOptions::default(), false).unwrap();
         let options = RunOptions { runs: Runs::Function, ..RunOptions::default() };
         let error = run_frame(&scene, &machine, &volume, &options).unwrap().report.error.unwrap();
-        error.footprint.error.mean_relative
+        error.footprint.error.unwrap().mean_relative
     };
     let (parallel, perspective) = (error(None), error(Some(Perspective::new(30.0))));
     println!("mean relative distance over the object: parallel {parallel:.4}, perspective {perspective:.4}");

@@ -61,7 +61,7 @@ fn mean_angle(volume: &VoxelWords, yaw_deg: f64, offset: f64, method: GradientMe
         }
     }
     assert!(pairs.len() > 1900, "about 26²·π rays meet the sphere");
-    mean_angle_deg(pairs).unwrap().mean_deg
+    mean_angle_deg(pairs).unwrap().mean_deg.unwrap()
 }
 
 fn sphere(ramp: f64) -> VoxelWords {

@@ -1,6 +1,7 @@
 //! The classification tables: opacity and colour over the sample word.
 
-use crate::{Basis, Classification, GradientRows, MachineSpec, VolumeInfo, ends, gradient_scale};
+use crate::setup::{StepLengths, in_frame};
+use crate::{Basis, Classification, FrameSetup, GradientRows, MachineSpec, VolumeInfo, ends, gradient_scale};
 use cube3_scene::{Scene, corrected_opacity};
 use cube3_word::{quantise_unit, unit_full};
 
@@ -33,32 +34,66 @@ fn magnitude_unit(machine: &MachineSpec, volume: &VolumeInfo, basis: &Basis) -> 
     value * dropped * 0.5 * smallest / length
 }
 
-/// The tables, each entry for the middle of the samples (and magnitudes) that share it; opacity for each of the step `lengths`, and for
-/// the ends of rays where these have parts, with the word that is opacity 1 over a `whole` step.
+/// What the entries of a frame's opacity tables stand for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OpacityEntries {
+    /// The data value in the middle of the samples that share an entry.
+    pub values: Vec<f64>,
+    /// The gradient in the middle of a row, in data values for each smallest voxel spacing; one where opacity depends on the value
+    /// alone.
+    pub magnitudes: Vec<f64>,
+    /// The step lengths that opacity is corrected to, in units of the smallest spacing: a table for each.
+    pub lengths: Vec<f64>,
+}
+
+impl OpacityEntries {
+    /// Those of the tables of a frame that was set up for scene, machine and volume.
+    pub fn of(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, setup: &FrameSetup) -> OpacityEntries {
+        let machine = &*in_frame(machine, &setup.geometry);
+        let basis = Basis::new(&setup.geometry, volume.spacing, machine.abc.gradient);
+        let steps = StepLengths::new(scene, &setup.geometry, volume.spacing);
+        OpacityEntries::new(machine, volume, steps.lengths, setup.classification.gradient_rows, &basis)
+    }
+
+    pub(crate) fn new(
+        machine: &MachineSpec,
+        volume: &VolumeInfo,
+        lengths: Vec<f64>,
+        rows: Option<GradientRows>,
+        basis: &Basis,
+    ) -> OpacityEntries {
+        let words = &machine.words;
+        let full = f64::from(unit_full(words.voxel_bits));
+        let fraction = f64::from(1_u32 << words.sample_fraction_bits);
+        let [low, high] = volume.window;
+        let value_of = |sample: f64| low + sample / fraction / full * (high - low);
+        let wide = f64::from(1_u32 << (words.sample_bits() - words.table_bits));
+        let values =
+            (0..1_u32 << words.table_bits).map(|index| value_of((f64::from(index) + 0.5) * wide - 0.5)).collect();
+        let unit = magnitude_unit(machine, volume, basis);
+        let row_count = rows.map_or(1, |rows| rows.rows);
+        let row_width = rows.map_or(0.0, |rows| f64::from(1_u32 << rows.shift));
+        let magnitudes = (0..row_count).map(|row| ((f64::from(row) + 0.5) * row_width - 0.5).max(0.0) * unit).collect();
+        OpacityEntries { values, magnitudes, lengths }
+    }
+}
+
+/// The tables, each entry for the middle of the samples (and magnitudes) that share it; opacity for each of the step lengths, and for the
+/// ends of rays where these have parts, with the word that is opacity 1 over a `whole` step.
 pub(crate) fn tables(
     scene: &Scene,
     machine: &MachineSpec,
     volume: &VolumeInfo,
-    lengths: &[f64],
+    entries: &OpacityEntries,
     rows: Option<GradientRows>,
-    basis: &Basis,
     whole: Option<u32>,
 ) -> Classification {
     let words = &machine.words;
     let index_shift = words.sample_bits() - words.table_bits;
-    let full = f64::from(unit_full(words.voxel_bits));
-    let fraction = f64::from(1_u32 << words.sample_fraction_bits);
-    let [low, high] = volume.window;
-    let value_of = |sample: f64| low + sample / fraction / full * (high - low);
-    let wide = f64::from(1_u32 << index_shift);
-    let values: Vec<f64> =
-        (0..1_u32 << words.table_bits).map(|index| value_of((f64::from(index) + 0.5) * wide - 0.5)).collect();
-    let unit = magnitude_unit(machine, volume, basis);
-    let row_count = rows.map_or(1, |rows| rows.rows);
-    let row_width = rows.map_or(0.0, |rows| f64::from(1_u32 << rows.shift));
-    let magnitudes = (0..row_count).map(|row| ((f64::from(row) + 0.5) * row_width - 0.5).max(0.0) * unit);
+    let OpacityEntries { values, magnitudes, lengths } = entries;
     let alphas: Vec<f64> = magnitudes
-        .flat_map(|magnitude| values.iter().map(move |&value| scene.transfer.opacity_at(value, magnitude)))
+        .iter()
+        .flat_map(|&magnitude| values.iter().map(move |&value| scene.transfer.opacity_at(value, magnitude)))
         .collect();
     let one = f64::from(whole.unwrap_or(unit_full(words.opacity_bits)));
     let word = |alpha: f64, length: f64| (corrected_opacity(alpha, length) * one).round() as u32;

@@ -22,6 +22,7 @@ mod template;
 mod warp;
 
 pub use axes::{Axes, CanonicalView, canonical};
+pub use classification::OpacityEntries;
 pub use ends::{EndRegisters, whole_step_opacity};
 pub use fan::{Fan, FanShape};
 pub use geometry::{DiscreteRay, Geometry, RaySlots};

@@ -3,8 +3,9 @@
 use crate::perspective::{PLACE_BITS, Perspective};
 use crate::{
     Abc, Axes, BusKind, ConeRegisters, EndRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters,
-    GradientScale, HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, RayRegisters, SLOPE_FRACTION_BITS,
-    ShadingUnit, canonical, classification, ends, largest_offset, shading, slope_register, whole_step_opacity,
+    GradientScale, HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, OpacityEntries, RayRegisters,
+    SLOPE_FRACTION_BITS, ShadingUnit, canonical, classification, ends, largest_offset, shading, slope_register,
+    whole_step_opacity,
 };
 use cube3_scene::{Mode, Scene, SceneError, ViewFrame};
 use cube3_word::{Words, quantise_fraction, quantise_unit, unit_full, unit_resize};
@@ -209,7 +210,7 @@ const NEAR_SPACING: f64 = 2.0;
 /// The machine as a frame uses it: where rays share columns, a ray moves by more than a ray from plane to plane, and the four samples of
 /// estimator 12 are too near. Two multiplications do it: of 26d, whose nine differences for each component bear near samples best, or of
 /// 6d where rays are also far apart, and sums over them would smooth too much.
-fn in_frame<'a>(machine: &'a MachineSpec, geometry: &Geometry) -> Cow<'a, MachineSpec> {
+pub(crate) fn in_frame<'a>(machine: &'a MachineSpec, geometry: &Geometry) -> Cow<'a, MachineSpec> {
     let Some(pass) = &geometry.perspective else {
         return Cow::Borrowed(machine);
     };
@@ -302,12 +303,13 @@ pub(crate) fn registers(
         .map(|pass| ray_registers(scene, volume, &geometry, pass, &basis, machine.abc.gradient, &steps));
     let ends = EndRegisters::new(scene, machine, &geometry, &steps.lengths);
     let whole = ends.as_ref().map(|_| whole_step_opacity(scene.mode, &words, geometry.size[2]));
+    let entries = OpacityEntries::new(machine, volume, steps.lengths, rows, &basis);
     let setup = FrameSetup {
         schema: 1,
         words,
         reuse: machine.trilin.reuse,
         clips,
-        classification: classification::tables(scene, machine, volume, &steps.lengths, rows, &basis, whole),
+        classification: classification::tables(scene, machine, volume, &entries, rows, whole),
         gradient,
         normaliser: (normal_needed || !plan).then(|| Normaliser::new(words.normal_bits, machine.abc.root_bits)),
         shading: if lit {
@@ -355,7 +357,7 @@ pub(crate) struct StepLengths {
 const SAME_LENGTH: f64 = 1e-6;
 
 impl StepLengths {
-    fn new(scene: &Scene, geometry: &Geometry, spacing: [f64; 3]) -> StepLengths {
+    pub(crate) fn new(scene: &Scene, geometry: &Geometry, spacing: [f64; 3]) -> StepLengths {
         let corrects = corrects_opacity(scene);
         let Some(pass) = &geometry.perspective else {
             let length = if corrects { step_length(geometry, spacing) } else { 1.0 };

@@ -5,15 +5,16 @@ use serde::{Deserialize, Serialize};
 use crate::MetricsError;
 use crate::compensated::CompensatedSum;
 
-/// Angles over a set of pairs, in degrees from 0 to 180. All zero over an empty set.
+/// Angles over a set of pairs, in degrees from 0 to 180. The three are absent where no pair was measured: no angle is not an
+/// angle of 0.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct AngleError {
     /// Mean angle.
-    pub mean_deg: f64,
+    pub mean_deg: Option<f64>,
     /// Largest angle.
-    pub max_deg: f64,
+    pub max_deg: Option<f64>,
     /// Root of the mean square angle.
-    pub rms_deg: f64,
+    pub rms_deg: Option<f64>,
     /// Pairs that were measured.
     pub count: usize,
     /// Pairs left out because a vector has length zero, and so no direction.
@@ -50,7 +51,14 @@ pub fn mean_angle_deg(pairs: impl IntoIterator<Item = ([f64; 3], [f64; 3])>) -> 
         max_deg = max_deg.max(angle);
         count += 1;
     }
-    Ok(AngleError { mean_deg: sum.mean(count), max_deg, rms_deg: squares.mean(count).sqrt(), count, degenerate })
+    let measured = |value: f64| (count > 0).then_some(value);
+    Ok(AngleError {
+        mean_deg: measured(sum.mean(count)),
+        max_deg: measured(max_deg),
+        rms_deg: measured(squares.mean(count).sqrt()),
+        count,
+        degenerate,
+    })
 }
 
 /// The angle by atan2(|a×b|, a·b): full precision near 0° and 180°, where an arc cosine has half.

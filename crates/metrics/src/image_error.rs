@@ -14,7 +14,7 @@ pub const OFF_THRESHOLD: f64 = 1.0 / 255.0;
 
 const OFF_SLACK: f64 = 1e-9 * OFF_THRESHOLD;
 
-/// How far two pictures are apart, over a set of pixels. All zero over an empty set.
+/// How far two pictures are apart, over a set of at least one pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ImageError {
     /// Mean Euclidean distance in RGB over √3, the largest distance in the unit cube: 0 to 1 for
@@ -37,8 +37,9 @@ pub struct ImageError {
 pub struct ImageComparison {
     /// Over every pixel.
     pub whole: ImageError,
-    /// Over the pixels of the footprint: an empty background cannot dilute it.
-    pub footprint: ImageError,
+    /// Over the pixels of the footprint: an empty background cannot dilute it. Absent over a footprint of no pixels, where there is
+    /// nothing that could be right or wrong.
+    pub footprint: Option<ImageError>,
     /// The number of pixels in the footprint.
     pub footprint_pixels: usize,
 }
@@ -56,12 +57,12 @@ pub fn compare(a: &Picture, b: &Picture, footprint: Option<&BitSlice>) -> Result
     Picture::check_pair(a, b)?;
     let whole = measure(a, b, 0..a.pixels.len())?;
     let Some(mask) = footprint else {
-        return Ok(ImageComparison { whole, footprint: whole, footprint_pixels: a.pixels.len() });
+        return Ok(ImageComparison { whole, footprint: Some(whole), footprint_pixels: a.pixels.len() });
     };
     if mask.len() != a.pixels.len() {
         return Err(MetricsError::MaskLength { expected: a.pixels.len(), found: mask.len() });
     }
-    let footprint = measure(a, b, mask.iter_ones())?;
+    let footprint = mask.any().then(|| measure(a, b, mask.iter_ones())).transpose()?;
     Ok(ImageComparison { whole, footprint, footprint_pixels: mask.count_ones() })
 }
 

@@ -3,8 +3,8 @@
 use cube3_metrics::ImageError;
 
 use crate::{
-    ChannelReport, OperatorCounts, ReportError, ResourcesReport, RunReport, SCHEMA, TimingReport, TrafficReport,
-    UnitReport,
+    ChannelReport, OpacityReport, OperatorCounts, ReportError, ResourcesReport, RunReport, SCHEMA, TimingReport,
+    TrafficReport, UnitReport,
 };
 
 /// How far two ways to compute one number may differ, relative to it.
@@ -77,14 +77,15 @@ impl RunReport {
             finite(&format!("channels.{}.mean_occupancy", channel.name), channel.mean_occupancy)?;
         }
         if let Some(error) = &self.error {
-            finite_error("error", &error.whole)?;
-            finite_error("error.footprint", &error.footprint.error)?;
+            error.whole.iter().try_for_each(|whole| finite_error("error", whole))?;
+            error.footprint.error.iter().try_for_each(|object| finite_error("error.footprint", object))?;
             if let Some(own) = &error.reference {
                 finite_error("error.reference", &own.error)?;
             }
             finite("error.gradient_mean_deg", error.gradient_mean_deg.unwrap_or(0.0))?;
             finite("error.difference_factor", error.difference_factor)?;
         }
+        self.words.opacity.iter().try_for_each(OpacityReport::check)?;
         for (key, value) in self.sequence.iter().flat_map(|sequence| sequence.numbers()) {
             finite(key, value)?;
         }
@@ -190,7 +191,7 @@ impl ChannelReport {
     }
 }
 
-fn finite(key: &str, value: f64) -> Result<(), ReportError> {
+pub(crate) fn finite(key: &str, value: f64) -> Result<(), ReportError> {
     if value.is_finite() { Ok(()) } else { Err(ReportError::NotFinite { key: key.into(), value }) }
 }
 

@@ -4,7 +4,10 @@ use cube3_metrics::ImageError;
 use serde_json::Value;
 
 use crate::quantity::{count, number, percentage, prefixed, sizes};
-use crate::{ErrorReport, PassReport, ResourcesReport, RunReport, TimingReport, TrafficReport, UnitReport, WallReport};
+use crate::{
+    ErrorReport, OpacityReport, PassReport, ResourcesReport, RunReport, TimingReport, TrafficReport, UnitReport,
+    WallReport,
+};
 
 /// What is said, and its value.
 pub(crate) type Fact = (&'static str, String);
@@ -33,6 +36,7 @@ pub(crate) fn setup(report: &RunReport) -> Vec<Fact> {
             facts.extend(perspective.passes.iter().map(|pass| ("Base plane", base_plane(pass))));
         }
     }
+    facts.extend(report.words.opacity.iter().map(OpacityReport::fact));
     facts.extend([
         ("Runs made", report.fidelity.clone()),
         ("Seed", report.seed.to_string()),
@@ -111,9 +115,11 @@ pub(crate) fn traffic(traffic: &TrafficReport) -> Vec<Fact> {
     facts
 }
 
-/// Each measure of the error, over the whole image and over the object alone.
+/// Each measure of the error, over the whole image and over the object alone; none where there was nothing to measure.
 pub(crate) fn errors(error: &ErrorReport) -> Vec<(&'static str, [String; 2])> {
-    let (whole, object) = (&error.whole, &error.footprint.error);
+    let (Some(whole), Some(object)) = (&error.whole, &error.footprint.error) else {
+        return Vec::new();
+    };
     let both = |text: fn(&ImageError) -> String| [text(whole), text(object)];
     let mut rows = vec![
         ("Mean relative RGB distance", both(|e| percentage(e.mean_relative))),

@@ -96,9 +96,12 @@ fn headline(report: &RunReport) -> Markup {
     }
     if let Some(error) = &report.error {
         let against = format!("mean RGB distance against {}", error.against);
-        tiles.push(("Relative error", percentage(error.whole.mean_relative), against));
-        let object = format!("{} over the object alone", facts::psnr(error.footprint.error.psnr_db));
-        tiles.push(("PSNR", facts::psnr(error.whole.psnr_db), object));
+        if let (Some(whole), Some(object)) = (&error.whole, &error.footprint.error) {
+            tiles.push(("Relative error", percentage(whole.mean_relative), against));
+            let object = format!("{} over the object alone", facts::psnr(object.psnr_db));
+            tiles.push(("PSNR", facts::psnr(whole.psnr_db), object));
+        }
+        tiles.extend(error.remark.iter().map(|remark| ("Relative error", "not measured".into(), remark.clone())));
     }
     html! {
         dl.tiles {
@@ -161,7 +164,7 @@ fn sequence(sequence: Option<&SequenceReport>) -> Markup {
                                 td { (frame.volume) @if frame.torn { " to " (frame.newest_volume) } }
                                 td { @if frame.torn { (percentage(frame.newer_fraction)) } }
                                 td { @if frame.torn { (count(frame.mixed_beams)) } }
-                                td { (frame.error.as_ref().map_or_else(String::new, |e| percentage(e.mean_relative))) }
+                                td { (frame.error_in_words()) }
                             }
                         }
                     }
@@ -221,7 +224,9 @@ fn errors(error: Option<&ErrorReport>) -> Markup {
     html! {
         section {
             h2 { "Error" }
-            @if let Some(error) = error {
+            @if let Some(remark) = error.and_then(|error| error.remark.as_ref()) {
+                p { "Not measured: " (remark) "." }
+            } @else if let Some(error) = error {
                 table {
                     caption {
                         "Against " (error.against) ". The object covers " (count(error.footprint.pixels as u64))

@@ -16,6 +16,8 @@ mod error;
 mod facts;
 mod html;
 mod json;
+mod measures;
+mod opacity_report;
 mod png;
 mod quantity;
 mod resources_report;
@@ -28,15 +30,17 @@ pub use digest::sha256_hex;
 pub use error::ReportError;
 pub use html::{Figure, html};
 pub use json::{from_json, to_json, write_json};
+pub use opacity_report::{OpacityChange, OpacityReport};
 pub use png::{png_rgb8, to_rgb8};
+pub use quantity::{count, number, percentage};
 pub use resources_report::{
     InterfaceReport, LimitWithout, LimitsReport, LinesReport, MemoryBits, MemoryTraffic, OperatorCounts,
     OperatorsReport, ResourcesReport, TrafficReport,
 };
 pub use run_report::{
-    ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, PassReport, PerspectiveReport, PlanReport,
-    Program, ReferenceError, RunReport, SCHEMA, TimingCounts, TimingReport, UnitReport, ViewReport, VolumeReport,
-    WallReport, WordsReport,
+    ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, NO_OBJECT, PassReport, PerspectiveReport,
+    PlanReport, Program, ReferenceError, RunReport, SCHEMA, TimingCounts, TimingReport, UnitReport, ViewReport,
+    VolumeReport, WallReport, WordsReport,
 };
 pub use sequence::{AcquisitionReport, FrameReport, SequenceReport};
 pub use table::table;

@@ -1,7 +1,7 @@
 //! Numbers for a reader.
 
 /// A count with commas between thousands, such as `270,336`.
-pub(crate) fn count(value: u64) -> String {
+pub fn count(value: u64) -> String {
     let digits = value.to_string();
     let mut text = String::with_capacity(digits.len() + digits.len() / 3);
     for (index, digit) in digits.chars().enumerate() {
@@ -15,7 +15,7 @@ pub(crate) fn count(value: u64) -> String {
 
 /// Three significant digits or all before the point, such as `34.1`, `0.00214` or `1.25e-9`. An exact
 /// value goes without zeros at its end: `0.5`, `8`.
-pub(crate) fn number(value: f64) -> String {
+pub fn number(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 {
         "0".into()
@@ -38,7 +38,7 @@ pub(crate) fn prefixed(value: f64, unit: &str) -> String {
 }
 
 /// A fraction as a percentage, such as `0.851 %`.
-pub(crate) fn percentage(fraction: f64) -> String {
+pub fn percentage(fraction: f64) -> String {
     format!("{} %", number(100.0 * fraction))
 }
 

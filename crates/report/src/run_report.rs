@@ -6,7 +6,7 @@ use cube3_metrics::{ImageComparison, ImageError};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::{LimitsReport, ResourcesReport, SequenceReport, TrafficReport};
+use crate::{LimitsReport, OpacityReport, ResourcesReport, SequenceReport, TrafficReport, measures};
 
 /// The number of the present layout. It rises when a key changes its meaning or goes away.
 pub const SCHEMA: u32 = 1;
@@ -298,20 +298,30 @@ pub struct ChannelReport {
 }
 
 /// What happened to the machine's words.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct WordsReport {
     /// Results that did not fit and were saturated, by wire.
     pub overflows: BTreeMap<String, u64>,
+    /// The opacity table against the scene. Absent in modes of a single sample (maximum, minimum), and without a frame.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub opacity: Option<OpacityReport>,
 }
+
+/// The remark where neither picture shows an object.
+pub const NO_OBJECT: &str = "neither picture shows an object: there is no error to measure";
 
 /// The image against its reference.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ErrorReport {
     /// What the image was compared with, such as `image-order`.
     pub against: String,
-    /// Over the whole image: `mean_relative`, `rms`, `max`, `psnr_db` and `fraction_off`.
-    #[serde(flatten)]
-    pub whole: ImageError,
+    /// Over the whole image: `mean_relative`, `rms`, `max`, `psnr_db` and `fraction_off`. Absent where neither picture shows an
+    /// object: two empty pictures are equal, and that says nothing.
+    #[serde(flatten, with = "measures")]
+    pub whole: Option<ImageError>,
+    /// Why there are no numbers, where there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remark: Option<String>,
     /// Mean angle of the gradients to the reference's, in degrees. Absent when not measured.
     pub gradient_mean_deg: Option<f64>,
     /// Over the object alone.
@@ -341,9 +351,9 @@ pub struct ReferenceError {
 /// The errors over the pixels that the object covers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FootprintError {
-    /// The same keys as for the whole image.
-    #[serde(flatten)]
-    pub error: ImageError,
+    /// The same keys as for the whole image. Absent over no pixels.
+    #[serde(flatten, with = "measures")]
+    pub error: Option<ImageError>,
     /// The number of pixels that the object covers.
     pub pixels: usize,
 }
@@ -353,7 +363,8 @@ impl ErrorReport {
     pub fn new(against: impl Into<String>, comparison: &ImageComparison, difference_factor: f64) -> Self {
         Self {
             against: against.into(),
-            whole: comparison.whole,
+            whole: comparison.footprint.and(Some(comparison.whole)),
+            remark: comparison.footprint.is_none().then(|| NO_OBJECT.into()),
             gradient_mean_deg: None,
             footprint: FootprintError { error: comparison.footprint, pixels: comparison.footprint_pixels },
             difference_factor,

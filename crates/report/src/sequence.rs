@@ -69,6 +69,9 @@ pub struct FrameReport {
     pub first_torn_plane: Option<u32>,
     /// The picture against the reference of the oldest volume. Absent when not measured.
     pub error: Option<ImageError>,
+    /// Why there is no error, where there were two pictures and nothing to measure.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remark: Option<String>,
     /// The raw pixels. Absent without pictures.
     pub digest: DigestReport,
 }
@@ -141,9 +144,18 @@ impl SequenceReport {
             facts.push(("Torn frames", torn));
         }
         let errors = self.frames.iter().filter_map(|frame| Some(frame.error.as_ref()?.mean_relative));
-        if let Some(worst) = errors.reduce(f64::max) {
-            facts.push(("Largest mean relative error", percentage(worst)));
+        let remark = self.frames.iter().find_map(|frame| frame.remark.clone());
+        if let Some(worst) = errors.reduce(f64::max).map(percentage).or(remark) {
+            facts.push(("Largest mean relative error", worst));
         }
         facts
+    }
+}
+
+impl FrameReport {
+    /// The mean relative error, or why there is none.
+    pub(crate) fn error_in_words(&self) -> String {
+        let measured = self.error.as_ref().map(|error| percentage(error.mean_relative));
+        measured.or_else(|| self.remark.clone()).unwrap_or_default()
     }
 }

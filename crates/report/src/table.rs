@@ -89,6 +89,9 @@ fn units(units: &[UnitReport]) -> String {
 }
 
 fn errors(error: &ErrorReport) -> String {
+    if let Some(remark) = &error.remark {
+        return listed(vec![("Against", error.against.clone()), ("Not measured", remark.clone())]);
+    }
     let mut rows = vec![];
     for (what, [whole, object]) in facts::errors(error) {
         rows.push(vec![what.into(), whole, object]);

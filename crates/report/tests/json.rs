@@ -136,7 +136,7 @@ fn what_was_not_run_is_null_and_not_missing() {
 fn equal_pictures_have_a_null_psnr() {
     let mut report = sample::report();
     let error = report.error.as_mut().unwrap();
-    error.whole.psnr_db = None;
+    error.whole.as_mut().unwrap().psnr_db = None;
     let value: Value = serde_json::from_str(&to_json(&report).unwrap()).unwrap();
     assert_eq!(value["error"]["psnr_db"], Value::Null);
     assert_eq!(from_json(&to_json(&report).unwrap()).unwrap(), report);
@@ -145,7 +145,7 @@ fn equal_pictures_have_a_null_psnr() {
 #[test]
 fn a_number_that_json_cannot_hold_is_refused_with_its_key() {
     let mut report = sample::report();
-    report.error.as_mut().unwrap().footprint.error.rms = f64::NAN;
+    report.error.as_mut().unwrap().footprint.error.as_mut().unwrap().rms = f64::NAN;
     let mut bytes = Vec::new();
     let error = write_json(&report, &mut bytes).unwrap_err();
     assert!(error.to_string().starts_with("error.footprint.rms is NaN"), "{error}");

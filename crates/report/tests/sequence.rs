@@ -19,6 +19,7 @@ fn frame(cycles: u64, end_cycle: u64, volumes: [u64; 2], newer_fraction: f64) ->
         mixed_beams: 5,
         first_torn_plane: None,
         error: None,
+        remark: None,
         digest: DigestReport::default(),
     }
 }

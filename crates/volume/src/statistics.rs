@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::{NonFinite, Sample, Volume, VolumeError, with_samples};
+use crate::{NonFinite, Sample, Volume, VolumeError, VoxelWords, with_samples};
 
 /// How many samples fall in each of equally wide bins.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +13,74 @@ pub struct Histogram {
     pub high: f64,
     /// Samples in each bin; they add up to the voxels of the volume.
     pub counts: Vec<u64>,
+}
+
+impl VoxelWords {
+    /// How many voxels have each of the 2^bits words.
+    pub fn counts(&self) -> Vec<u64> {
+        const CHUNK: usize = 1 << 22;
+        let size = 1 << self.bits;
+        let chunk = |words: &[u16]| {
+            // Neighbours are often equal, and one counter after another of the same word would wait for memory: four tables.
+            let mut counts = vec![[0_u32; 4]; size];
+            let (fours, rest) = words.as_chunks::<4>();
+            for four in fours {
+                (0..4).for_each(|i| counts[usize::from(four[i])][i] += 1);
+            }
+            rest.iter().for_each(|&word| counts[usize::from(word)][0] += 1);
+            counts
+        };
+        self.words
+            .par_chunks(CHUNK)
+            .map(chunk)
+            .fold(
+                || vec![0; size],
+                |mut sum: Vec<u64>, counts| {
+                    sum.iter_mut()
+                        .zip(counts)
+                        .for_each(|(sum, four)| *sum += four.iter().map(|&n| u64::from(n)).sum::<u64>());
+                    sum
+                },
+            )
+            .reduce(
+                || vec![0; size],
+                |mut sum, other| {
+                    sum.iter_mut().zip(other).for_each(|(sum, count)| *sum += count);
+                    sum
+                },
+            )
+    }
+
+    /// How many voxels of each word lie flat: along two of the three axes both neighbours have the same word but for its
+    /// `low_bits`, so that samples beside the voxel have it too. Beyond the border all is the same. Only words that are `asked` for
+    /// are counted.
+    pub fn flat_counts(&self, low_bits: u32, asked: &[bool]) -> Vec<u64> {
+        let [nx, ny, nz] = self.dims;
+        let like = |index: usize, other: usize| self.words[index] >> low_bits == self.words[other] >> low_bits;
+        let row = |row: usize| {
+            let (y, z) = (row % ny, row / ny);
+            let flat = move |x: usize| {
+                let index = row * nx + x;
+                let along = |at: usize, size: usize, stride: usize| {
+                    (at == 0 || like(index, index - stride)) && (at + 1 == size || like(index, index + stride))
+                };
+                [along(x, nx, 1), along(y, ny, nx), along(z, nz, nx * ny)].into_iter().filter(|flat| *flat).count() >= 2
+            };
+            let words = self.words[row * nx..][..nx].iter().enumerate();
+            words.filter(move |&(x, &word)| asked[usize::from(word)] && flat(x)).map(|(_, &word)| word)
+        };
+        let first = asked.iter().position(|asked| *asked).unwrap_or(asked.len());
+        let last = asked.iter().rposition(|asked| *asked).unwrap_or(0);
+        // Few rows have any such word, and to see that takes a vector's comparisons.
+        let any = |row: &usize| {
+            let range = first..=last;
+            self.words[row * nx..][..nx].iter().fold(false, |any, &word| any | range.contains(&usize::from(word)))
+        };
+        let found: Vec<u16> = (0..ny * nz).into_par_iter().filter(any).flat_map_iter(row).collect();
+        let mut counts = vec![0; asked.len()];
+        found.into_iter().for_each(|word| counts[usize::from(word)] += 1);
+        counts
+    }
 }
 
 impl Volume {

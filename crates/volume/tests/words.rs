@@ -153,3 +153,40 @@ proptest! {
         }
     }
 }
+
+proptest! {
+    /// Every voxel is counted at its word, whatever the number of voxels and bits.
+    #[test]
+    fn counts_are_those_of_the_words(
+        dims in prop::array::uniform3(1_usize..12), bits in 1_u32..=16, seed in any::<u64>(),
+    ) {
+        let word = |x: usize, y: usize, z: usize| {
+            let mixed = (seed ^ (x + 12 * (y + 12 * z)) as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            (mixed >> 48) as u16 & ((1_u32 << bits) - 1) as u16
+        };
+        let words = VoxelWords::from_fn(dims, bits, word).unwrap();
+        let counts = words.counts();
+        prop_assert_eq!(counts.len(), 1 << bits);
+        for (word, &count) in counts.iter().enumerate() {
+            prop_assert_eq!(count, words.words.iter().filter(|&&w| usize::from(w) == word).count() as u64);
+        }
+    }
+}
+
+/// Of two planes of one word and a line of another, the planes lie flat; a word that is not asked for is not counted.
+#[test]
+fn voxels_of_a_plane_lie_flat_and_those_of_a_line_do_not() {
+    let word = |x: usize, y: usize, z: usize| match [x, y, z] {
+        [_, 2, _] => 100,
+        [_, 5, _] => 100 + (x % 4) as u16,
+        [_, 8, 8] => 200,
+        _ => 0,
+    };
+    let words = VoxelWords::from_fn([10; 3], 8, word).unwrap();
+    let asked: Vec<bool> = (0..256).map(|word| word >= 100).collect();
+    let exact = words.flat_counts(0, &asked);
+    assert_eq!((exact[0], exact[100], exact[200], exact.iter().sum::<u64>()), (0, 100, 0, 100));
+    // But for two bits the second plane is one word too.
+    let coarse = words.flat_counts(2, &asked);
+    assert_eq!((coarse[100], coarse[103], coarse.iter().sum::<u64>()), (100 + 30, 20, 200));
+}

@@ -76,6 +76,12 @@ impl VerifyArguments {
             return self.own();
         }
         let (unit, vectors) = self.stimulus()?;
+        if vectors.inputs.is_empty() {
+            return Err(Problem::new(format!(
+                "{}: there is no line to compare, and no result; give a file with lines of vectors",
+                self.vectors.as_deref().unwrap_or(Path::new("vectors")).display()
+            )));
+        }
         make_folder(&self.out, "--out")?;
         let path = write_vectors(&self.out, &vectors)?;
         let answers = match (&self.against, &self.dut) {

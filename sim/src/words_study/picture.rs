@@ -276,7 +276,11 @@ impl<'a> SceneCase<'a> {
         let picture = Picture::new(plane.width, plane.height, pixels)?;
         let ideal = &self.ideal(design)?.picture;
         let object = footprint(&picture, ideal, background)?;
-        let error = compare(&picture, ideal, Some(&object))?.footprint;
+        let Some(error) = compare(&picture, ideal, Some(&object))?.footprint else {
+            return Err(Problem::new(
+                "the scene shows nothing, in words or in reals, and there is no error to study; try another scene or view",
+            ));
+        };
         Ok(ImageLevels { mean: LEVELS * error.mean_relative, rms: LEVELS * error.rms, max: LEVELS * error.max })
     }
 
@@ -333,8 +337,7 @@ fn gradient_key(design: &Design) -> GradientKey {
 
 /// The angle between two directions; 90 degrees where the first has none.
 fn angle_deg(word: [f64; 3], real: [f64; 3]) -> Outcome<f64> {
-    let error = mean_angle_deg([(word, real)])?;
-    Ok(if error.degenerate > 0 { 90.0 } else { error.mean_deg })
+    Ok(mean_angle_deg([(word, real)])?.mean_deg.unwrap_or(90.0))
 }
 
 /// Mean, 99th percentile and largest.

@@ -106,7 +106,10 @@ pub fn report() -> RunReport {
             channel("aligned", 4, 2, 16_384, 1.1),
             channel("rays", 8, 3, 16_384, 2.7),
         ],
-        words: WordsReport { overflows: [("abc.colour".into(), 12), ("cone.opacity".into(), 0)].into() },
+        words: WordsReport {
+            overflows: [("abc.colour".into(), 12), ("cone.opacity".into(), 0)].into(),
+            opacity: Some(opacity()),
+        },
         error: Some(ErrorReport {
             gradient_mean_deg: Some(3.1),
             ..ErrorReport::new("image-order, step 1", &comparison(), 5.0)
@@ -151,7 +154,19 @@ fn comparison() -> ImageComparison {
         psnr_db: Some(-20.0 * (0.013_7 * scale).log10()),
         fraction_off: 0.23 * scale,
     };
-    ImageComparison { whole: error(1.0), footprint: error(2.2), footprint_pixels: 9_412 }
+    ImageComparison { whole: error(1.0), footprint: Some(error(2.2)), footprint_pixels: 9_412 }
+}
+
+fn opacity() -> OpacityReport {
+    OpacityReport {
+        entry_width: 0.0623,
+        smallest_opacity: 1.0 / 4095.0,
+        shown_fraction: 0.31,
+        lost_fraction: 0.004,
+        off_fraction: 0.021,
+        rounding: OpacityChange { fraction: 0.02, ray_less: 0.003, ray_more: 0.001 },
+        entries: OpacityChange { fraction: 0.001, ray_less: 0.0002, ray_more: 0.0 },
+    }
 }
 
 fn resources() -> ResourcesReport {
