@@ -1,7 +1,8 @@
 //! What the opacity table makes of a scene, against closed forms; and which notes a run has, with the reason that is true.
 
 use cube3::inputs::{self, LoadedVolume};
-use cube3::run::{Reference, RunOptions, RunResult, Runs, run_frame};
+use cube3::reference::Reference;
+use cube3::run::{RunOptions, RunResult, Runs, run_frame};
 use cube3::sequence::{Series, run_sequence};
 use cube3_host::MachineSpec;
 use cube3_report::{NO_OBJECT, OpacityReport};
@@ -284,7 +285,7 @@ fn what_hides_everything_is_said_and_has_no_error() {
         (scene(&[[0.0, 0.0]]), solid(), "the transfer function is transparent everywhere"),
         (surface, solid(), "the transfer function's opacity is nowhere transfer.opaque_alpha = 0.75"),
     ] {
-        let options = RunOptions { reference: Reference::ImageOrder, ..FUNCTION };
+        let options = RunOptions { reference: Reference::default(), ..FUNCTION };
         let result = run_frame(&scene, &machine(), &volume, &options).unwrap();
         assert!(note(&result).starts_with(&format!("nothing is visible: {reason}")), "{reason}: {}", note(&result));
         let error = result.report.error.unwrap();
@@ -300,7 +301,7 @@ fn empty_frames_of_a_sequence_have_no_error() {
         VolumeSource { phantom: Some("marschner-lobb".into()), size_voxels: Some(16), ..VolumeSource::default() };
     let scene = Scene { volume: phantom, image: scene(&[]).image, ..Scene::default() };
     let mut series = Series::open(&scene, &machine(), &ReadOptions::default(), false, 2).unwrap();
-    let options = RunOptions { reference: Reference::ImageOrder, ..FUNCTION };
+    let options = RunOptions { reference: Reference::default(), ..FUNCTION };
     let result = run_sequence(&scene, &machine(), &mut series, 2, &options, &mut |_| Ok(())).unwrap();
     for frame in result.report.sequence.unwrap().frames {
         assert_eq!((frame.error, frame.remark.as_deref()), (None, Some(NO_OBJECT)));
