@@ -32,7 +32,7 @@ impl EndRegisters {
     /// Fraction bits of `steps`.
     pub const STEP_BITS: u32 = 12;
     /// Tables of the ends: one for each part from none to all that reaches on both sides can be.
-    pub const CLASSES: u32 = (2 * Self::MOST_REACH << Self::PART_BITS) + 1;
+    pub const CLASSES: u32 = ((2 * Self::MOST_REACH) << Self::PART_BITS) + 1;
 
     /// The registers for a geometry and the lengths of its steps, where the machine and the mode have use for them.
     pub(crate) fn new(
