@@ -229,6 +229,7 @@ mod tests {
                     weight_bits: 8,
                     rule: if plane { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
                     grid: 0.5,
+                    reach: 1,
                 })
             },
         )

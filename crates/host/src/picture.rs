@@ -4,7 +4,7 @@
 //! to z before y before x. Each pass is a frame of its own with its own base plane, and the warp joins them.
 
 use crate::perspective::Perspective;
-use crate::setup::{check_perspective, checked_view, registers};
+use crate::setup::{check_perspective, checked_view, reads_gradients, registers};
 use crate::{
     Axes, Fan, FrameSetup, Geometry, HostError, ImagePlane, LeftOut, MachineSpec, PassShape, VolumeInfo, canonical,
     frame_setup,
@@ -60,6 +60,7 @@ pub fn picture_setup(
             weight_bits: machine.words.weight_bits,
             rule: machine.rays.template,
             grid: machine.rays.grid,
+            reach: if reads_gradients(scene) { machine.abc.reach } else { 1 },
         });
         let Some(geometry) = geometry else {
             continue;
