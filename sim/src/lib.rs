@@ -18,6 +18,7 @@ pub mod machine;
 pub mod output;
 pub mod problem;
 pub mod progress;
+mod ray_spacing;
 pub mod record;
 pub mod resources;
 pub mod rtl_frame;

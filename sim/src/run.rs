@@ -10,6 +10,7 @@ use crate::limits;
 use crate::machine::{Machine, Overflows, RunCounters};
 use crate::problem::{Outcome, Problem};
 use crate::progress::Progress;
+use crate::ray_spacing;
 use crate::resources;
 use cube3_cfb::memory::MemoryCounters;
 use cube3_channel::Reason;
@@ -189,6 +190,7 @@ pub fn run_frame_with(
     let report = asked.report(&frames, &run, found)?;
     let mut told = run.told;
     told.extend(notes(scene, volume, run.bases.as_deref(), samples));
+    told.extend(ray_spacing::notes(volume.words.dims, volume.words.spacing));
     Ok(RunResult { report, pictures, notes: told, counters: run.counters })
 }
 

@@ -1,25 +1,75 @@
-//! An eye in the volume: where two base planes join, the picture steps no more than beside the joint.
+//! An eye in the volume: gradients over about a voxel however close the rays are, and no step where base planes join.
 
 use cube3::function::{CanonicalVolume, render};
-use cube3_host::{BasePlane, Geometry, MachineSpec, PictureFrames, VolumeInfo, picture_setup, warp_passes};
-use cube3_scene::{Image, Perspective, Scene, View};
+use cube3_host::{BasePlane, FrameSetup, Geometry, MachineSpec, PictureFrames, VolumeInfo, picture_setup, warp_passes};
+use cube3_raycast::{ImageOrderOptions, image_order};
+use cube3_scene::{ColourPoint, Image, Perspective, Scene, View};
 use cube3_volume::{Phantom, PhantomParams, Samples, Volume, VoxelWords, WordConversion};
 
-/// What the machine shows of a volume.
-fn picture(words: &VoxelWords, scene: &Scene, machine: &MachineSpec) -> (Vec<[f64; 3]>, PictureFrames) {
-    let info = VolumeInfo { dims: words.dims, spacing: words.spacing, window: words.window };
-    let frames = picture_setup(scene, machine, &info, true).unwrap();
-    let base = |setup: &cube3_host::FrameSetup| {
-        render(setup, &CanonicalVolume::new(&setup.geometry.axes, words.dims, &words.words), true, &|_, _| {}).base
-    };
-    let bases: Vec<BasePlane> = frames.setups.iter().map(base).collect();
-    let passes: Vec<(&BasePlane, &Geometry)> =
-        bases.iter().zip(frames.setups.iter().map(|setup| &setup.geometry)).collect();
-    (warp_passes(&passes, &frames.plane, words.spacing, scene.background), frames)
+const N: usize = 64;
+const SIDE: u32 = 256;
+
+/// A volume, as words and as data.
+struct Input {
+    data: Volume,
+    words: VoxelWords,
 }
 
-/// Steps from pixel to pixel at a joint: the mean of those across it, and the median of the means of those as many pixels beside it, up to
-/// 12 to either side; along rows, and along columns.
+impl Input {
+    fn new(data: Volume) -> Input {
+        let words = data.to_words(16, &WordConversion::identity(16)).unwrap().0;
+        Input { data, words }
+    }
+
+    fn phantom(phantom: Phantom) -> Input {
+        let volume = phantom.generate(N, &PhantomParams::default()).unwrap();
+        match &volume.samples {
+            // Eight bits on the scale of sixteen.
+            Samples::U8(bytes) => {
+                let samples = Samples::U16(bytes.iter().map(|&byte| 257 * u16::from(byte)).collect());
+                Input::new(Volume { samples, ..volume })
+            }
+            _ => Input::new(volume),
+        }
+    }
+
+    fn noise() -> Input {
+        let mut state = 1_u64;
+        let words = (0..N * N * N).map(|_| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 48) as u16
+        });
+        let fog = Phantom::Fog.generate(N, &PhantomParams::default()).unwrap();
+        Input::new(Volume { samples: Samples::U16(words.collect()), ..fog })
+    }
+
+    /// What the machine shows of it.
+    fn picture(&self, scene: &Scene, machine: &MachineSpec) -> (Vec<[f64; 3]>, PictureFrames) {
+        let words = &self.words;
+        let info = VolumeInfo { dims: words.dims, spacing: words.spacing, window: words.window };
+        let frames = picture_setup(scene, machine, &info, true).unwrap();
+        let base = |setup: &FrameSetup| {
+            render(setup, &CanonicalVolume::new(&setup.geometry.axes, words.dims, &words.words), true, &|_, _| {}).base
+        };
+        let bases: Vec<BasePlane> = frames.setups.iter().map(base).collect();
+        let passes: Vec<(&BasePlane, &Geometry)> =
+            bases.iter().zip(frames.setups.iter().map(|setup| &setup.geometry)).collect();
+        (warp_passes(&passes, &frames.plane, words.spacing, scene.background), frames)
+    }
+}
+
+/// The view from an eye in the volume, 90° wide; white samples of the given opacities.
+fn scene(yaw: f64, tilt: f64, eye: [f64; 3], opacity: &[[f64; 2]]) -> Scene {
+    let mut scene = Scene { view: View::from_angles(yaw, tilt), background: [0.0; 3], ..Scene::default() };
+    scene.view.perspective = Some(Perspective { eye_voxel: Some(eye), ..Perspective::new(90.0) });
+    scene.image = Image { width_px: SIDE, height_px: SIDE, ..Image::default() };
+    scene.transfer.opacity = opacity.to_vec();
+    scene.transfer.colour = vec![ColourPoint { value: 0.0, rgb: [1.0; 3] }];
+    scene
+}
+
+/// Steps from pixel to pixel at a joint: the mean of those across it, and the median of the means of those so many pixels beside it, up to
+/// [`BESIDE`] to either side.
 struct Joint {
     across: f64,
     beside: f64,
@@ -28,35 +78,29 @@ struct Joint {
 
 const BESIDE: i64 = 12;
 
-fn joints(pixels: &[[f64; 3]], frames: &PictureFrames, spacing: [f64; 3]) -> [Joint; 2] {
-    let (width, height) = (frames.plane.width as i64, frames.plane.height as i64);
-    let pass: Vec<usize> = (0..width * height)
+/// Those of neighbours in a row and of neighbours in a column.
+fn joints(pixels: &[[f64; 3]], frames: &PictureFrames) -> [Joint; 2] {
+    let side = i64::from(SIDE);
+    let pass: Vec<usize> = (0..side * side)
         .map(|i| {
-            let (_, d) = frames.plane.ray((i % width) as f64, (i / width) as f64);
-            let d = [0, 1, 2].map(|axis| d[axis] / spacing[axis]);
+            let (_, d) = frames.plane.ray((i % side) as f64, (i / side) as f64);
             let axis = (0..3).fold(0, |best, axis| if d[axis].abs() > d[best].abs() { axis } else { best });
             2 * axis + usize::from(d[axis] < 0.0)
         })
         .collect();
-    [[1, 0], [0, 1]].map(|[right, down]| {
-        let inside = |x: i64, y: i64| (0..width).contains(&x) && (0..height).contains(&y);
-        let at = |x: i64, y: i64| (y * width + x) as usize;
+    let at = |[x, y]: [i64; 2]| (y * side + x) as usize;
+    [[1, 0], [0, 1]].map(|by| {
+        let next = |p: [i64; 2], times: i64| [p[0] + times * by[0], p[1] + times * by[1]];
+        let inside = |p: [i64; 2]| p.iter().all(|c| (0..side).contains(c));
         let (mut sums, mut counts) = ([0.0; 2 * BESIDE as usize + 1], [0; 2 * BESIDE as usize + 1]);
-        for y in 0..height - down {
-            for x in 0..width - right {
-                if pass[at(x, y)] == pass[at(x + right, y + down)] {
-                    continue;
-                }
-                for offset in -BESIDE..=BESIDE {
-                    let (x, y) = (x + offset * right, y + offset * down);
-                    if !inside(x, y) || !inside(x + right, y + down) {
-                        continue;
-                    }
-                    let (here, next) = (at(x, y), at(x + right, y + down));
-                    if offset != 0 && pass[here] != pass[next] {
-                        continue;
-                    }
-                    let step: f64 = (0..3).map(|c| (pixels[here][c] - pixels[next][c]).abs()).sum::<f64>() / 3.0;
+        for here in (0..side * side).map(|i| [i % side, i / side]) {
+            if !inside(next(here, 1)) || pass[at(here)] == pass[at(next(here, 1))] {
+                continue;
+            }
+            for offset in -BESIDE..=BESIDE {
+                let (a, b) = (next(here, offset), next(here, offset + 1));
+                if inside(a) && inside(b) && (offset == 0 || pass[at(a)] == pass[at(b)]) {
+                    let step = (0..3).map(|c| (pixels[at(a)][c] - pixels[at(b)][c]).abs()).sum::<f64>() / 3.0;
                     sums[(offset + BESIDE) as usize] += step;
                     counts[(offset + BESIDE) as usize] += 1;
                 }
@@ -67,81 +111,87 @@ fn joints(pixels: &[[f64; 3]], frames: &PictureFrames, spacing: [f64; 3]) -> [Jo
         let mut beside: Vec<f64> = (0..sums.len()).filter(|&i| i != middle).map(mean).collect();
         beside.sort_by(f64::total_cmp);
         let half = beside.len() / 2;
-        Joint { across: mean(middle), beside: (beside[half - 1] + beside[half]) / 2.0, pixels: counts[middle] as usize }
+        Joint {
+            across: mean(middle),
+            beside: f64::midpoint(beside[half - 1], beside[half]),
+            pixels: counts[middle] as usize,
+        }
     })
 }
 
-fn scene(yaw: f64, tilt: f64, eye: [f64; 3], opacity: &[[f64; 2]], shaded: bool) -> Scene {
-    let mut scene = Scene { view: View::from_angles(yaw, tilt), ..Scene::default() };
-    scene.view.perspective = Some(Perspective { eye_voxel: Some(eye), ..Perspective::new(90.0) });
-    scene.image = Image { width_px: 256, height_px: 256, ..Image::default() };
-    scene.transfer.opacity = opacity.to_vec();
-    scene.transfer.colour.iter_mut().for_each(|point| point.rgb = [1.0; 3]);
-    scene.material.shaded = shaded;
-    scene.background = [0.0; 3];
-    scene
-}
-
-fn words(volume: &Volume) -> VoxelWords {
-    let bits = if matches!(volume.samples, Samples::U8(_)) { 8 } else { 16 };
-    volume.to_words(16, &WordConversion::identity(bits)).unwrap().0
-}
-
+/// Across a joint the picture steps by at most 1.25 times the median of the steps beside it.
 #[test]
-fn explore() {
-    let mut machine = MachineSpec::default();
-    machine.abc.reach = std::env::var("J").map_or(8, |j| j.parse().unwrap());
-    let method = std::env::var("G").unwrap_or("12".into());
-    machine.abc.gradient = cube3_host::GradientMethod::ALL.iter().find(|(_, name)| *name == method).unwrap().0;
-    let n = std::env::var("N").map_or(64, |n| n.parse().unwrap());
-    let phantom = |phantom: Phantom, params: &PhantomParams| words(&phantom.generate(n, params).unwrap());
-    let fog = phantom(Phantom::Fog, &PhantomParams::default());
-    let ball = phantom(Phantom::Sphere, &PhantomParams::default());
-    let head = phantom(Phantom::Head, &PhantomParams::default());
-    let mut noise = fog.clone();
-    let mut state = 1_u64;
-    for word in &mut noise.words {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        *word = (state >> 48) as u16;
-    }
-    let s = n as f64 / 64.0;
-    let eyes = [
-        [32.0 * s; 3],
-        [30.3 * s, 33.1 * s, 29.7 * s],
-        [32.0 * s, 32.0 * s, 12.0 * s],
-        [31.5 * s + 0.2, 14.0 * s, 20.0 * s],
+fn base_planes_join_without_a_step_around_an_eye_in_the_volume() {
+    let machine = MachineSpec::default();
+    let cases = [
+        ("fog", Input::phantom(Phantom::Fog), vec![[0.0, 0.0], [6553.0, 0.2]], true),
+        ("ball", Input::phantom(Phantom::Sphere), vec![[10_000.0, 0.0], [32_768.0, 0.4], [55_000.0, 0.0]], true),
+        ("head", Input::phantom(Phantom::Head), vec![[80.0 * 257.0, 0.0], [100.0 * 257.0, 0.75]], true),
+        ("noise", Input::noise(), vec![[0.0, 0.0], [65_535.0, 0.9]], false),
     ];
-    for (name, words, opacity, lit) in [
-        ("fog", &fog, vec![[0.0, 0.0], [6553.0, 0.2]], true),
-        ("fogthin", &fog, vec![[0.0, 0.0], [6553.0, 0.03]], true),
-        ("ball", &ball, vec![[10000.0, 0.0], [32768.0, 0.4], [55000.0, 0.0]], true),
-        ("head", &head, vec![[80.0, 0.0], [100.0, 0.75]], true),
-        ("head0", &head, vec![[80.0, 0.0], [100.0, 0.75]], false),
-        ("noise0", &noise, vec![[0.0, 0.0], [65535.0, 0.1]], false),
-        ("noise0thick", &noise, vec![[0.0, 0.0], [65535.0, 0.9]], false),
-        ("noise", &noise, vec![[0.0, 0.0], [65535.0, 0.1]], true),
-    ] {
-        for eye in eyes {
+    for (name, input, opacity, lit) in cases {
+        for eye in [[32.0; 3], [30.3, 33.1, 29.7]] {
             for (yaw, tilt) in [(45.0, 0.0), (30.0, 7.0)] {
-                let mut scene = scene(yaw, tilt, eye, &opacity, lit);
+                let mut scene = scene(yaw, tilt, eye, &opacity);
+                scene.material.shaded = lit;
                 if !lit {
-                    let top = opacity.last().unwrap()[0];
-                    scene.transfer.colour = vec![
-                        cube3_scene::ColourPoint { value: 0.0, rgb: [0.0; 3] },
-                        cube3_scene::ColourPoint { value: top, rgb: [1.0; 3] },
-                    ];
+                    scene.transfer.colour = [[0.0; 3], [1.0; 3]]
+                        .into_iter()
+                        .zip([0.0, 65_535.0])
+                        .map(|(rgb, value)| ColourPoint { value, rgb })
+                        .collect();
                 }
-                let (pixels, frames) = picture(words, &scene, &machine);
-                let mean = pixels.iter().map(|p| p[0]).sum::<f64>() / pixels.len() as f64 * 255.0;
-                let joints = joints(&pixels, &frames, [1.0; 3]);
-                let line: String = joints
-                    .iter()
-                    .map(|j| format!("  {:.5}/{:.5} = {:.2} ({})", j.across, j.beside, j.across / j.beside, j.pixels))
-                    .collect();
-                println!(
-                    "{name} {eye:?} {yaw} mean {mean:.1} {}: {line}",
-                    frames.setups[0].gradient.map_or("none", |g| g.method.name())
-                );
+                let (pixels, frames) = input.picture(&scene, &machine);
+                assert!(frames.setups.len() >= 3, "{name}");
+                for (along, joint) in ["rows", "columns"].into_iter().zip(joints(&pixels, &frames)) {
+                    let Joint { across, beside, pixels } = joint;
+                    println!("{name} {eye:?} {yaw}° {along}: {across:.5} / {beside:.5} = {:.2}", across / beside);
+                    assert!(pixels > 100, "{name}");
+                    assert!(across <= 1.25 * beside, "{name} {eye:?} {yaw}°, {along}: {across} against {beside}");
+                }
+            }
+        }
+    }
+}
+
+/// The light on white noise from within: rays that are closer than a voxel see single cells, whose differences across are larger than
+/// those along, and normals lie across the view.
+#[test]
+fn white_noise_around_the_eye_is_lighter_where_gradients_are_taken_over_a_voxel() {
+    let input = Input::noise();
+    let scene = scene(45.0, 0.0, [32.0; 3], &[[0.0, 0.1], [65_535.0, 0.1]]);
+    let mean = |pixels: &[[f64; 3]]| pixels.iter().map(|pixel| pixel[0]).sum::<f64>() / pixels.len() as f64;
+    let reference = mean(&image_order(&input.data, &scene, &ImageOrderOptions::default(), None).unwrap().pixels);
+    let part = |reach: u32| {
+        let mut machine = MachineSpec::default();
+        machine.abc.reach = reach;
+        mean(&input.picture(&scene, &machine).0) / reference
+    };
+    let [next, voxel] = [part(1), part(8)];
+    println!("white noise: {next:.3} of the reference with the next rays, {voxel:.3} over a voxel");
+    assert!(voxel > 0.74 && voxel > 1.12 * next, "{next} {voxel}");
+}
+
+/// Neighbours are about a voxel away wherever the machine's reach has as many rays.
+#[test]
+fn neighbours_are_about_a_voxel_away() {
+    let input = Input::phantom(Phantom::Fog);
+    let scene = scene(30.0, 7.0, [30.3, 33.1, 29.7], &[[0.0, 0.0], [6553.0, 0.2]]);
+    for most in [1, 4, 8] {
+        let mut machine = MachineSpec::default();
+        machine.abc.reach = most;
+        let words = &input.words;
+        let info = VolumeInfo { dims: words.dims, spacing: words.spacing, window: words.window };
+        for setup in &picture_setup(&scene, &machine, &info, true).unwrap().setups {
+            let geometry = &setup.geometry;
+            let pass = geometry.perspective.as_ref().unwrap();
+            assert!(pass.doubled);
+            assert_eq!(setup.most_reach(), most as usize);
+            assert_eq!(setup.ring(machine.abc.planes), machine.abc.planes + 2 * (most as usize - 1));
+            for k in pass.first_depth..geometry.size[2] {
+                let away = pass.spacing_at(k as i64, geometry.offset, geometry.weight_bits) * setup.reach(k) as f64;
+                assert!((2.0 / 3.0..=4.0 / 3.0).contains(&away) || setup.reach(k) == i64::from(most), "{k}: {away}");
+                assert!(away < 1.5);
             }
         }
     }

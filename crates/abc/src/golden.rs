@@ -65,8 +65,10 @@ impl Local {
         };
         let [i, j, k] = [(at[0] - pass.u.first) as usize, (at[1] - pass.v.first) as usize, at[2] as usize];
         let last = rays.closeness.len() - 1;
-        let shear =
-            |k: usize| [rays.slope_u[i], rays.slope_v[j]].map(|slope| rays.shear(slope, k, setup.words.weight_bits));
+        let shear = |k: usize| {
+            [rays.slope_u[i], rays.slope_v[j]]
+                .map(|slope| RayRegisters::shear(slope, rays.closeness[k], setup.words.weight_bits))
+        };
         Local {
             mirrored: setup.geometry.mirrored(DiscreteRay { u: at[0], v: at[1] }),
             here: shear(k),

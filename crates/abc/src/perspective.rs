@@ -109,7 +109,7 @@ impl RayLanes {
             let slopes = [registers.slope_u[column], registers.slope_v[row]];
             let weigh = |out: &mut [Block<i32>; 2], k: usize| {
                 for (out, slope) in out.iter_mut().zip(slopes) {
-                    out[lane] = registers.shear(slope, k, self.weight_bits) as i32;
+                    out[lane] = RayRegisters::shear(slope, registers.closeness[k], self.weight_bits) as i32;
                 }
             };
             weigh(&mut out.here, k);

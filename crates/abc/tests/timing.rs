@@ -344,3 +344,42 @@ fn the_ring_takes_planes_of_this_frame_and_the_next_and_of_no_third() {
         }
     }
 }
+
+/// Neighbours of a near frame are several rays and planes away: the first slot waits for that many, and a ring of 2·reach + 2 planes never
+/// holds the input.
+#[test]
+fn farther_neighbours_cost_their_planes_once() {
+    let setup = setup();
+    let (slots, planes) = (6, 12);
+    for reach in 1..=5 {
+        let spec = |ring| AbcSpec { ray_cycles: 1, slots, planes, closes: [false; 2], buffered: true, reach, ring };
+        assert_eq!(spec(4).needed(0, 0), reach * slots + reach + 1);
+        assert_eq!(spec(4).needed(planes - 1, slots - 1), planes * slots);
+        let cycles = |ring| run(&setup, spec(ring), 1, 2, |_| true).cycles;
+        let free = 1 + reach * slots + reach + slots * planes;
+        assert_eq!([cycles(2 * reach + 2), cycles(64)], [free; 2], "{reach}");
+        assert!(cycles(2 * reach + 1) > free, "{reach}");
+    }
+}
+
+#[test]
+fn a_ring_too_small_for_farther_neighbours_is_named() {
+    let setup = setup();
+    let spec = AbcSpec { ray_cycles: 1, slots: 3, planes: 9, closes: [false; 2], buffered: true, reach: 3, ring: 6 };
+    let mut unit = AbcUnit::new([(spec, NoShading)]);
+    let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
+    let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 2, 1).unwrap();
+    let mut offered = 0_u32;
+    for _ in 0..90 {
+        if let Some(ray) = samples.push_slot() {
+            (ray.plane, ray.slot) = (offered / 3, offered % 3);
+            offered += 1;
+        }
+        unit.tick(std::slice::from_ref(&setup), &mut samples, &mut shaded);
+        shaded.pop();
+        samples.commit();
+        shaded.commit();
+    }
+    let wait = unit.inner_wait(&samples).unwrap();
+    assert_eq!((wait.unit, wait.capacity, wait.upon), ("abc", 6, "abc"));
+}

@@ -230,6 +230,7 @@ mod tests {
                     rule: if plane { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
                     grid: 0.5,
                     reach: 1,
+                    joins: false,
                 })
             },
         )

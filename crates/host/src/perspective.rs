@@ -26,7 +26,7 @@ pub struct Perspective {
     pub u: Fan,
     /// Rays along v.
     pub v: Fan,
-    /// The first plane at or beyond the eye; in front of it are no samples.
+    /// The first plane behind the eye; in front of it are no samples.
     pub first_depth: usize,
     /// w of the grid plane, a fraction of [`SLOPE_FRACTION_BITS`]: 0 where it is the base plane.
     pub grid_plane: i64,
@@ -37,7 +37,7 @@ pub struct Perspective {
     pub doubled: bool,
     /// Most rays from a sample to the neighbours along u and v that its gradient reads.
     pub most_reach: u32,
-    /// Rays beyond a slope of 1 that pictures show where two near frames join; none in a frame that is not near.
+    /// Rays beyond a slope of 1 that pictures show where two near frames join; none in others.
     pub overlap: u32,
 }
 
@@ -86,6 +86,15 @@ pub struct PassShape {
     pub grid: f64,
     /// Most rays to a gradient's neighbours along u and v: see [`Perspective::reach_at`].
     pub reach: u32,
+    /// Whether another near frame may join this one, if it is near: rays then go on beyond a slope of 1.
+    pub joins: bool,
+}
+
+impl PassShape {
+    /// Whether the eye is so near that rays in front are less than a voxel apart.
+    pub fn is_near(&self) -> bool {
+        -self.eye[2] < self.grid * self.size[2] as f64
+    }
 }
 
 /// The distance of the grid plane from the eye, and its w: the base plane, or where the eye is nearer than `least`, that far behind it.
@@ -144,7 +153,8 @@ impl Geometry {
     pub fn perspective(shape: &PassShape) -> Option<Geometry> {
         let [nu, nv, depths] = shape.size;
         let [eye_u, eye_v, eye_w] = shape.eye;
-        let first_depth = eye_w.ceil().max(0.0);
+        // On the eye's own plane all rays are at one place, and nothing there has a gradient.
+        let first_depth = (eye_w.floor() + 1.0).max(0.0);
         if first_depth >= depths as f64 {
             return None;
         }
@@ -153,7 +163,7 @@ impl Geometry {
         let along = [eye_w, distance, plane];
         let doubled = plane != 0.0;
         let most_reach = reach((first_depth as f64 - eye_w) / distance, shape.reach);
-        let overlap = if doubled { (distance * OVERLAP).floor() } else { 0.0 };
+        let overlap = if doubled && shape.joins { (distance * OVERLAP).floor() } else { 0.0 };
         let margin = MARGIN + f64::from(most_reach) + overlap;
         let planes = [first_depth, depths];
         let (along_u, along_v) = (rays(eye_u, along, planes, nu, margin), rays(eye_v, along, planes, nv, margin));
@@ -223,9 +233,9 @@ mod tests {
     fn any_pass() -> impl Strategy<Value = Geometry> {
         let size = [1_usize..9, 1_usize..9, 1_usize..9];
         let grid = prop_oneof![Just(0.5), 0.1..4.0_f64];
-        (size, eyes(), 0.0..1.0_f64, 0_u32..=12, any::<bool>(), grid, 1_u32..9).prop_filter_map(
+        (size, eyes(), 0.0..1.0_f64, 0_u32..=12, any::<bool>(), grid, 1_u32..9, any::<bool>()).prop_filter_map(
             "an eye from which no ray meets the volume",
-            |(size, eye, offset, weight_bits, plane, grid, reach)| {
+            |(size, eye, offset, weight_bits, plane, grid, reach, joins)| {
                 Geometry::perspective(&PassShape {
                     size,
                     axes: Axes { axis: [0, 1, 2], reversed: [false; 3] },
@@ -235,6 +245,7 @@ mod tests {
                     rule: if plane { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
                     grid,
                     reach,
+                    joins,
                 })
             },
         )
@@ -330,6 +341,7 @@ mod tests {
             rule: TemplateRule::SampleFloor,
             grid: 0.5,
             reach: 1,
+            joins: false,
         };
         let geometry = Geometry::perspective(&shape).unwrap();
         for k in 0..32 {

@@ -50,9 +50,9 @@ pub fn picture_setup(
     let eye = given.unwrap_or([0, 1, 2].map(|i| eye_world[i] / volume.spacing[i]));
     let offset = quantise_fraction(machine.rays.offset, machine.words.weight_bits);
     let mut frames = PictureFrames { setups: Vec::new(), view, plane, eye_voxel: Some(eye), left_out: Vec::new() };
-    for axes in passes(&plane, &view, volume) {
+    let shape = |axes: Axes| {
         let size = axes.permute(volume.dims);
-        let geometry = Geometry::perspective(&PassShape {
+        PassShape {
             size,
             axes,
             eye: axes.canonical_position(size, eye),
@@ -61,7 +61,13 @@ pub fn picture_setup(
             rule: machine.rays.template,
             grid: machine.rays.grid,
             reach: if reads_gradients(scene) { machine.abc.reach } else { 1 },
-        });
+            joins: false,
+        }
+    };
+    let shapes: Vec<PassShape> = passes(&plane, &view, volume).into_iter().map(shape).collect();
+    let joins = shapes.iter().filter(|shape| shape.is_near()).count() > 1;
+    for shape in shapes {
+        let geometry = Geometry::perspective(&PassShape { joins, ..shape });
         let Some(geometry) = geometry else {
             continue;
         };

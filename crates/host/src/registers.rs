@@ -104,14 +104,12 @@ impl RayRegisters {
         (self.length_u[column] + self.length_v[row]) >> Self::CLASS_SHIFT
     }
 
-    /// How far a ray of a slope moves from plane `k` to the next, in units of the distance to its neighbours on that plane: a fraction of
-    /// `weight_bits`. At most 1, what the lerps of estimator 12 take; in near frames, which it has no part in, 3/2, so that rays
-    /// beyond 45° that a joint shows have their own.
+    /// How far a ray of a slope moves from a plane to the next, in units of the distance to its neighbours on the plane: a fraction of
+    /// `weight_bits`, at most 1.
     #[inline(always)]
-    pub fn shear(&self, slope: u32, k: usize, weight_bits: u32) -> u32 {
+    pub fn shear(slope: u32, closeness: u32, weight_bits: u32) -> u32 {
         let bits = 2 * Self::SLOPE_BITS - weight_bits;
-        let most = (2 + u32::from(self.reach.is_some())) << weight_bits >> 1;
-        ((slope * self.closeness[k] + (1 << (bits - 1))) >> bits).min(most)
+        ((slope * closeness + (1 << (bits - 1))) >> bits).min(1 << weight_bits)
     }
 }
 
