@@ -31,6 +31,6 @@ mod tests {
         assert!(notes([128, 128, 1], [2.0, 2.0, 53.0]).is_empty(), "one slice has no next");
         let told = notes([128, 128, 10], [2.0, 2.0, 53.0]);
         assert_eq!(told.len(), 1);
-        assert!(told[0].contains("26.5 times as long along z") && told[0].contains("239 slices"), "{told:?}");
+        assert!(told[0].contains("26.5 times as long along z") && told[0].contains("240 slices"), "{told:?}");
     }
 }
