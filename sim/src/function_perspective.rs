@@ -1,7 +1,7 @@
 //! The same for a perspective pass: rows hold the rays of a plane by slot, gathered from the volume by the fan.
 //!
-//! The lerps along u of plane v + 1 serve plane v now and plane v + 1 next, unless slots have cells of their own; three
-//! planes of samples serve the gradient.
+//! The lerps along u of plane v + 1 serve plane v now and plane v + 1 next, unless slots have cells of their own; planes
+//! of samples as far above and below as neighbours are serve the gradient.
 
 use crate::function::{CanonicalVolume, Plane};
 use crate::machine::Overflows;
@@ -13,9 +13,6 @@ use cube3_trilin::lanes::TrilinLanes;
 use cube3_word::vectorised;
 use std::ops::Range;
 
-/// Places before slot 0 of a row of samples: the neighbour of the first.
-const MARGIN: usize = 1;
-
 /// The units' lanes and the planes between them, for one band of a pass.
 pub(crate) struct PassWorker<'a, T> {
     setup: &'a FrameSetup,
@@ -26,8 +23,10 @@ pub(crate) struct PassWorker<'a, T> {
     cone: ConeLanes<T>,
     /// Lerps along u: of planes v and v + 1, by parity; where slots have their own cells, above and below the one plane.
     sides: [Plane; 2],
-    /// Samples of planes v − 1, v, v + 1, by remainder of 3, the border around them.
-    samples: [Plane; 3],
+    /// Places before slot 0 of a row of samples, and planes above and below that are read: as far as neighbours are.
+    reach: usize,
+    /// Samples of planes v − reach to v + reach, by remainder of their number, the border around them.
+    samples: Vec<Plane>,
     /// Lerps along w in columns L and R.
     edges: [Vec<i32>; 2],
     beyond: Vec<i32>,
@@ -46,7 +45,8 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
         let (slots, depths) = (pass.u.count(), setup.geometry.size[2]);
         let border = setup.gradient.map_or(0, |registers| registers.border);
         let plane = |stride| Plane::new(stride, depths);
-        let samples = || plane(slots + 2 * MARGIN);
+        let reach = setup.most_reach();
+        let row = slots + 2 * reach;
         PassWorker {
             setup,
             pass,
@@ -55,9 +55,10 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
             abc,
             cone: ConeLanes::new(setup.cone, setup.words),
             sides: [plane(slots), plane(slots)],
-            samples: [samples(), samples(), samples()],
+            reach,
+            samples: (0..=2 * reach).map(|_| plane(row)).collect(),
             edges: [vec![0; slots + 1], vec![0; slots + 1]],
-            beyond: vec![border; slots + 2 * MARGIN],
+            beyond: vec![border; row],
             ends: PlaneEnds::default(),
             shaded: ShadedRow::default(),
         }
@@ -65,7 +66,7 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
 
     /// Renders planes from `first` on into their rows of pixels.
     pub fn band(&mut self, first: i64, pixels: &mut [[u32; 4]], width: usize) -> Overflows {
-        let reach = i64::from(self.setup.gradient.is_some());
+        let reach = if self.setup.gradient.is_some() { self.reach as i64 } else { 0 };
         let mut overflows = Overflows::default();
         if !self.pass.doubled {
             self.plane_sides(first - reach);
@@ -143,7 +144,9 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
         }
         let [even, odd] = &self.sides;
         let (near, far) = if self.pass.doubled || v.rem_euclid(2) == 0 { (even, odd) } else { (odd, even) };
-        let plane = &mut self.samples[v.rem_euclid(3) as usize];
+        let planes = self.samples.len() as i64;
+        let margin = self.reach;
+        let plane = &mut self.samples[v.rem_euclid(planes) as usize];
         for k in 0..geometry.size[2] {
             let row = plane.row_mut(k);
             let rays = geometry.valid_columns(v, k);
@@ -152,10 +155,10 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
                 continue;
             }
             let [from, to] = [rays.start, rays.end].map(|u| (u - self.pass.u.first) as usize);
-            row[..MARGIN + from].fill(border);
-            row[MARGIN + to..].fill(border);
+            row[..margin + from].fill(border);
+            row[margin + to..].fill(border);
             let weight = self.pass.v.index(v).map_or(0, |j| self.pass.v.weight(j, k));
-            let out = &mut row[MARGIN + from..MARGIN + to];
+            let out = &mut row[margin + from..margin + to];
             self.trilin.row(&near.row(k)[from..to], &far.row(k)[from..to], weight, out);
         }
     }
@@ -178,29 +181,31 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
                 continue;
             }
             let n = (to - from) as usize;
-            let (samples, beyond) = (&self.samples, self.beyond.as_slice());
+            let (samples, beyond, reach) = (&self.samples, self.beyond.as_slice(), self.reach);
+            let (apart, planes) = (setup.reach(k), samples.len() as i64);
+            let wide = n + 2 * apart as usize;
             // Rows of the neighbourhood, from the neighbour on the left of the first lane to that on the right of the last.
             let row = |w: usize, dv: usize| -> &[i32] {
                 let Some(depth) = (k + w).checked_sub(1).filter(|&depth| depth < depths) else {
-                    return &beyond[..n + 2];
+                    return &beyond[..wide];
                 };
                 if !has_gradient && (w, dv) != (1, 1) {
-                    return &beyond[..n + 2];
+                    return &beyond[..wide];
                 }
-                let plane = &samples[(v + dv as i64 - 1).rem_euclid(3) as usize];
-                &plane.row(depth)[(from - first) as usize..][..n + 2]
+                let plane = &samples[(v + (dv as i64 - 1) * apart).rem_euclid(planes) as usize];
+                &plane.row(depth)[(from - first + reach as i64 - apart) as usize..][..wide]
             };
             let rows: [[&[i32]; 3]; 3] = [0, 1, 2].map(|w| [0, 1, 2].map(|dv| row(w, dv)));
             self.shaded.present.clear();
             self.shaded.present.resize(n, 1);
             self.shaded.ends.clear();
             self.shaded.ends.extend(self.ends.row(k, from));
-            let neighbour = |w: usize, dv: usize, u: usize| &rows[w][dv][u..u + n];
+            let neighbour = |w: usize, dv: usize, u: usize| &rows[w][dv][u * apart as usize..][..n];
             self.abc.shade(n, neighbour, |lane| [from + lane as i64, v, k as i64], geometry, &mut self.shaded);
             let (cone, shaded) = (&mut self.cone, &self.shaded);
             vectorised(
                 #[inline(always)]
-                || cone.push(Some((from, shaded, |lane: usize| rows[1][1][lane + 1]))),
+                || cone.push(Some((from, shaded, |lane: usize| rows[1][1][lane + apart as usize]))),
             );
             overflows += self.shaded.overflows;
         }

@@ -82,11 +82,9 @@ pub(crate) struct Samples<'a> {
 impl Samples<'_> {
     /// Sample k of a ray and its neighbours.
     pub(crate) fn around(&self, ray: DiscreteRay, k: i64, border: i32) -> Neighbourhood {
-        [-1, 0, 1].map(|w| {
-            [-1, 0, 1].map(|v| {
-                [-1, 0, 1].map(|u| self.sample(DiscreteRay { u: ray.u + u, v: ray.v + v }, k + w).unwrap_or(border))
-            })
-        })
+        let apart = self.setup.reach(k as usize);
+        let beside = |u: i64, v: i64| DiscreteRay { u: ray.u + u * apart, v: ray.v + v * apart };
+        [-1, 0, 1].map(|w| [-1, 0, 1].map(|v| [-1, 0, 1].map(|u| self.sample(beside(u, v), k + w).unwrap_or(border))))
     }
 
     fn sample(&self, ray: DiscreteRay, k: i64) -> Option<i32> {

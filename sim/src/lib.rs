@@ -22,6 +22,7 @@ pub mod opacity_check;
 pub mod output;
 pub mod problem;
 pub mod progress;
+mod ray_spacing;
 pub mod record;
 pub mod reference;
 pub mod resources;

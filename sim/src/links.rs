@@ -26,7 +26,7 @@ impl RayWords {
         }
         // A lane of each side of each link, for each chunk of the ray.
         let lanes = (2 * boards * setup.geometry.size[2].div_ceil(machine.lanes)) as u64;
-        let reach = setup.gradient.map_or(0, |gradient| reach(gradient.method));
+        let reach = setup.gradient.map_or(0, |gradient| reach(gradient.method, setup.most_reach()));
         RayWords { trilin: 2 * lanes, abc: reach as u64 * lanes, cone: ConeSpec::new(machine, setup).link_words() }
     }
 
@@ -53,7 +53,7 @@ pub fn channels(machine: &MachineSpec) -> Channels {
     Channels {
         aligned: farther(sizes.aligned, spec.diameter()),
         samples: farther(sizes.samples, spec.neighbour_hops(1)),
-        shaded: farther(sizes.shaded, spec.neighbour_hops(reach(machine.abc.gradient))),
+        shaded: farther(sizes.shaded, spec.neighbour_hops(reach(machine.abc.gradient, 1))),
         pixels: ConeSpec::pixels(machine),
         ..sizes
     }

@@ -467,11 +467,9 @@ impl Frame<'_> {
 
     fn around(&self, ray: DiscreteRay, k: i64) -> Neighbourhood {
         let border = self.setup.gradient.map_or(0, |registers| registers.border);
-        [-1, 0, 1].map(|w| {
-            [-1, 0, 1].map(|v| {
-                [-1, 0, 1].map(|u| self.sample(DiscreteRay { u: ray.u + u, v: ray.v + v }, k + w).unwrap_or(border))
-            })
-        })
+        let apart = self.setup.reach(k as usize);
+        let beside = |u: i64, v: i64| DiscreteRay { u: ray.u + u * apart, v: ray.v + v * apart };
+        [-1, 0, 1].map(|w| [-1, 0, 1].map(|v| [-1, 0, 1].map(|u| self.sample(beside(u, v), k + w).unwrap_or(border))))
     }
 
     /// What the ABC unit makes of a depth of a slot.

@@ -183,7 +183,11 @@ pub(crate) fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSet
     });
     kind("lerps kept", format!("{kept} samples of {sample_bits} bits"), kept * sample_bits);
     let shaded = most(&|setup| {
-        let ring = if setup.gradient.is_some() { machine.abc.planes as u64 + twice * 2 * closes(setup, 1) } else { 0 };
+        let ring = if setup.gradient.is_some() {
+            setup.ring(machine.abc.planes) as u64 + twice * 2 * closes(setup, 1)
+        } else {
+            0
+        };
         ring * plane(setup)
     });
     kind("sample planes", format!("{shaded} samples of {sample_bits} bits"), shaded * sample_bits);

@@ -12,6 +12,7 @@ use crate::machine::{Machine, Overflows, RunCounters};
 use crate::notes::Findings;
 use crate::problem::{Outcome, Problem};
 use crate::progress::Progress;
+use crate::ray_spacing;
 use crate::reference::{self, Reference, check_reference, reference_error, reference_picture};
 use crate::resources;
 use cube3_cfb::memory::MemoryCounters;
@@ -176,6 +177,7 @@ pub fn run_frame_with(
     let report = asked.report(&frames, &run, found)?;
     let mut told = run.told;
     told.extend(findings.notes(run.bases.as_deref(), samples));
+    told.extend(ray_spacing::notes(volume.words.dims, volume.words.spacing));
     Ok(RunResult { report, pictures, notes: told, counters: run.counters })
 }
 

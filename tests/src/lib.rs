@@ -142,7 +142,8 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
     let methods = proptest::sample::select(GradientMethod::ALL.map(|(method, _)| method).to_vec());
     let size = (1_usize..6, 1_u64..5).prop_map(|(capacity, latency)| ChannelSize { capacity, latency });
     let channels = [size.clone(), size.clone(), size.clone(), size.clone(), size.clone(), size];
-    let rays = (any::<bool>(), any::<bool>(), 0.0..1.0_f64, prop_oneof![Just(0.5), 0.1..2.0_f64], any::<bool>());
+    let ends = (any::<bool>(), 1_u32..6);
+    let rays = (any::<bool>(), any::<bool>(), 0.0..1.0_f64, prop_oneof![Just(0.5), 0.1..2.0_f64], ends);
     let rest = (
         1_usize..=9,
         [-3_i64..4, -3_i64..4, -3_i64..4],
@@ -155,7 +156,7 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
             words,
             gradient,
             channels,
-            (padded, plane, offset, grid, exact),
+            (padded, plane, offset, grid, (exact, reach)),
             (lanes, skew, planes, reuse, table),
             ((memory_clock_hz, cfb), fabric),
         )| {
@@ -194,6 +195,7 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
                     root_bits: 6,
                     reflectance_bits: 3,
                     planes: fabric.planes,
+                    reach,
                 },
                 cone: fabric.cone,
                 host_link: fabric.host_link,

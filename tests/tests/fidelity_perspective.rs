@@ -91,10 +91,11 @@ fn defined(setup: &FrameSetup, volume: &SmallVolume, ray: DiscreteRay) -> [u32; 
         if sample(setup, volume, ray, k).is_none() {
             return Node::default();
         }
+        let apart = setup.reach(k as usize);
         let around: Neighbourhood = [-1, 0, 1].map(|w| {
             [-1, 0, 1].map(|v| {
                 [-1, 0, 1].map(|u| {
-                    let ray = DiscreteRay { u: ray.u + u, v: ray.v + v };
+                    let ray = DiscreteRay { u: ray.u + u * apart, v: ray.v + v * apart };
                     sample(setup, volume, ray, k + w).unwrap_or(border)
                 })
             })

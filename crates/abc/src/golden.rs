@@ -8,7 +8,7 @@ use cube3_word::{Probe, Words, lerp_wires, saturate, unit_full};
 use serde::{Deserialize, Serialize};
 
 /// The sample and its 26 neighbours, `[w][v][u]` with the sample itself at `[1][1][1]`: w along the ray, v from
-/// plane to plane, u from ray to ray. Samples beyond the volume are the border word.
+/// plane to plane, u from ray to ray, in near frames [`FrameSetup::reach`] of them away. Samples beyond the volume are the border word.
 pub type Neighbourhood = [[[i32; 3]; 3]; 3];
 
 /// Something with the number of words that overflowed and were saturated on the way.
@@ -192,7 +192,7 @@ fn differences(
     }
 }
 
-/// Where rays are less than a voxel apart, u and v are relative to their distance m, and so is the ray.
+/// Where neighbours are less than a voxel away, u and v are relative to their distance, and so is the ray.
 fn near([u, v, ray]: [i64; 3], local: &Local, words: &Words, probe: &mut impl Probe) -> [i64; 3] {
     let Some(nearness) = local.nearness else {
         return [u, v, ray];

@@ -1119,7 +1119,7 @@ mod tests {
                 let either_way = [[1, 1], [1, -1], [-1, 1], [-1, -1]].into_iter().any(needed);
                 assert_eq!(listed(&any_way, place), either_way, "{method:?}, place {place}, rays either way");
             }
-            assert_eq!(crate::reach(method), farthest, "{method:?}");
+            assert_eq!(crate::reach(method, 1), farthest, "{method:?}");
         }
     }
 

@@ -3,7 +3,7 @@
 //! ```text
 //!   [samples] ──► ring of planes (and the first two) ──► 3 × 3 rays ──► gradient, table, light ──► [shaded]
 //! ```
-//! A ray is shaded when its neighbours in the planes above and below have come. Where slots are shared, the last
+//! A ray is shaded when its neighbours in the planes above and below have come, in near frames several planes away. Where slots are shared, the last
 //! plane's neighbour is the first, so the first is shaded last; rays of a plane likewise. Without a gradient,
 //! rays pass straight through.
 
@@ -206,13 +206,14 @@ fn in_ring(plane: usize, kept: usize, planes: usize) -> usize {
 }
 
 impl Shader {
-    /// Units for a frame with a ring of `ring` planes. With `skip`, transparent stretches are not shaded, which changes no bit.
-    pub fn new(setup: &FrameSetup, ring: usize, skip: bool) -> Shader {
-        let [slots, planes] = setup.geometry.slot_counts();
+    /// Units for a frame on a machine of `planes` sample planes. With `skip`, transparent stretches are not shaded, which changes no bit.
+    pub fn new(setup: &FrameSetup, planes: usize, skip: bool) -> Shader {
+        let ring = setup.ring(planes);
+        let [slots, frame_planes] = setup.geometry.slot_counts();
         let depths = setup.geometry.size[2].div_ceil(BLOCK) * BLOCK;
         let row = depths + BLOCK;
         let empty: Plane = vec![0; slots * row];
-        let kept = if setup.geometry.closes()[1] { planes.min(2) } else { 0 };
+        let kept = if setup.geometry.closes()[1] { frame_planes.min(2) } else { 0 };
         let parallel = Parallel::new(setup);
         let rows = if parallel.is_none() { 27 } else { 0 };
         Shader {
@@ -239,14 +240,15 @@ impl Shader {
         &self.planes[place(plane, self.kept, self.planes.len())][slot * self.row..][..self.row]
     }
 
-    /// Fills one of the 27 neighbour rays: the samples at displacement (u, v, w), or the border.
+    /// Fills one of the 27 neighbour rays: the samples at displacement (u, v, w), u and v in units of the depth's reach, or the border.
     fn neighbour(&mut self, setup: &FrameSetup, rays: &[DiscreteRay], by: [i64; 3], border: i32) {
         let geometry = &setup.geometry;
         let place = ((by[2] + 1) * 9 + (by[1] + 1) * 3 + by[0] + 1) as usize;
         let mut row = std::mem::take(&mut self.perspective.around[place]);
         row.clear();
         for (k, ray) in rays.iter().enumerate() {
-            let ray = DiscreteRay { u: ray.u + by[0], v: ray.v + by[1] };
+            let apart = setup.reach(k);
+            let ray = DiscreteRay { u: ray.u + by[0] * apart, v: ray.v + by[1] * apart };
             let depth = k as i64 + by[2];
             row.push(if geometry.has_sample(ray, depth) {
                 let [plane, slot] = geometry.slot_of(ray);
@@ -259,11 +261,15 @@ impl Shader {
     }
 }
 
-/// How many lanes away the samples are that a gradient method reads: a step along u and one along w are a lane each.
-pub fn reach(method: GradientMethod) -> usize {
+/// How many lanes away the samples are that a gradient method reads where neighbours are `rays` rays away: a ray along u and a step along w are a
+/// lane each.
+pub fn reach(method: GradientMethod, rays: usize) -> usize {
     let steps = [-1_i64, 0, 1];
     let all = steps.into_iter().flat_map(|u| steps.into_iter().flat_map(move |v| steps.map(|w| [u, v, w])));
-    all.filter(|by| reads(method, *by)).map(|by| (by[0] + by[2]).unsigned_abs() as usize).max().unwrap_or(0)
+    all.filter(|by| reads(method, *by))
+        .map(|by| (by[0] * rays as i64 + by[2]).unsigned_abs() as usize)
+        .max()
+        .unwrap_or(0)
 }
 
 impl Shade for Shader {
@@ -445,6 +451,8 @@ pub struct AbcSpec {
     pub closes: [bool; 2],
     /// Whether rays wait for their neighbours at all.
     pub buffered: bool,
+    /// How many rays and planes away neighbours are.
+    pub reach: u64,
     /// Planes of samples in the ring: above, current, below, and those that come in.
     pub ring: u64,
 }
@@ -459,7 +467,8 @@ impl AbcSpec {
             planes: planes as u64,
             closes: setup.geometry.closes(),
             buffered: setup.gradient.is_some(),
-            ring: machine.abc.planes as u64,
+            reach: setup.most_reach() as u64,
+            ring: setup.ring(machine.abc.planes) as u64,
         }
     }
 
@@ -494,7 +503,7 @@ impl AbcSpec {
         } else if self.closes[1] && plane + 1 >= self.planes {
             self.planes - 1
         } else {
-            current.saturating_sub(1)
+            current.saturating_sub(self.reach)
         }
     }
 
@@ -504,7 +513,7 @@ impl AbcSpec {
         if !self.buffered {
             return plane * self.slots + slot + 1;
         }
-        let last = |i: u64, n: u64, closes: bool| if closes && i == 0 { n - 1 } else { (i + 1).min(n - 1) };
+        let last = |i: u64, n: u64, closes: bool| if closes && i == 0 { n - 1 } else { (i + self.reach).min(n - 1) };
         last(plane, self.planes, self.closes[1]) * self.slots + last(slot, self.slots, self.closes[0]) + 1
     }
 }

@@ -123,6 +123,7 @@ proptest! {
         prop_assert_eq!(halfway(view, view.map(|x| -x), &table, &words), [0; 3]);
         // Components of other rays lie beside those of the ray.
         let rays = RayRegisters {
+            reach: None,
             view_u: vec![-7, view[0], 999],
             view_v: vec![view[1], 5],
             view_w: view[2],

@@ -23,6 +23,7 @@ fn specs() -> impl Iterator<Item = AbcSpec> {
                     planes,
                     closes,
                     buffered,
+                    reach: 1,
                     ring: 4,
                 })
             })
@@ -132,7 +133,7 @@ fn no_shape_of_frame_gets_stuck_with_four_planes() {
 fn without_a_gradient_a_ray_leaves_as_it_comes() {
     let setup = setup();
     for ray_cycles in 1..5 {
-        let spec = AbcSpec { ray_cycles, slots: 4, planes: 3, closes: [true; 2], buffered: false, ring: 4 };
+        let spec = AbcSpec { ray_cycles, slots: 4, planes: 3, closes: [true; 2], buffered: false, reach: 1, ring: 4 };
         let left = run(&setup, spec, 1, 2, |_| true).left;
         for (e, (cycle, _)) in left.into_iter().enumerate() {
             // It is at the input in cycle 1, taken after ray_cycles, given after as many, the two at once.
@@ -147,7 +148,7 @@ fn the_first_ray_leaves_a_plane_and_a_ray_later_and_not_a_cycle_earlier() {
     for slots in 1..7 {
         for planes in 1..6 {
             for (closes, buffered) in [([false; 2], true), ([true; 2], true), ([false; 2], false)] {
-                let spec = AbcSpec { ray_cycles: 1, slots, planes, closes, buffered, ring: 4 };
+                let spec = AbcSpec { ray_cycles: 1, slots, planes, closes, buffered, reach: 1, ring: 4 };
                 let result = run(&setup, spec, 1, 2, |_| true);
                 let [plane, slot] = spec.order(0);
                 // Ray number m (from 0) is at the input in cycle m + 1, and given in the cycle in which it is taken.
@@ -169,7 +170,7 @@ fn rays_leave_at_the_rate_of_the_lanes() {
     let setup = setup();
     for ray_cycles in 1..5 {
         for closes in [[false; 2], [true; 2]] {
-            let spec = AbcSpec { ray_cycles, slots: 6, planes: 5, closes, buffered: true, ring: 4 };
+            let spec = AbcSpec { ray_cycles, slots: 6, planes: 5, closes, buffered: true, reach: 1, ring: 4 };
             let result = run(&setup, spec, 1, 2, |_| true);
             let steady = result.left.windows(2).all(|pair| pair[1].0 - pair[0].0 >= ray_cycles);
             assert!(steady, "{ray_cycles}: {:?}", result.left);
@@ -184,7 +185,7 @@ fn rays_leave_at_the_rate_of_the_lanes() {
 fn a_frame_that_never_stalls_takes_its_rays_and_its_fill() {
     let setup = setup();
     for (slots, planes) in [(5, 5), (1, 4), (7, 1), (2, 2)] {
-        let spec = AbcSpec { ray_cycles: 1, slots, planes, closes: [false; 2], buffered: true, ring: 4 };
+        let spec = AbcSpec { ray_cycles: 1, slots, planes, closes: [false; 2], buffered: true, reach: 1, ring: 4 };
         let result = run(&setup, spec, 1, 2, |_| true);
         // The first cycle has no ray yet; then one is taken or given in every cycle.
         let needed = spec.needed(0, 0);
@@ -196,7 +197,7 @@ fn a_frame_that_never_stalls_takes_its_rays_and_its_fill() {
 #[test]
 fn a_unit_without_rays_is_starved_and_one_without_room_blocked() {
     let setup = setup();
-    let spec = AbcSpec { ray_cycles: 1, slots: 3, planes: 2, closes: [false; 2], buffered: false, ring: 4 };
+    let spec = AbcSpec { ray_cycles: 1, slots: 3, planes: 2, closes: [false; 2], buffered: false, reach: 1, ring: 4 };
     let slow = run(&setup, spec, 10, 2, |_| true);
     // Ray m comes in cycle 10·m + 1: 6 cycles of work in 52.
     assert_eq!(slow.account, Account { busy: 6, starved: 46, ..Account::default() });
@@ -213,7 +214,7 @@ fn a_unit_without_rays_is_starved_and_one_without_room_blocked() {
 #[test]
 fn a_full_ring_stops_the_input_and_says_so() {
     let setup = setup();
-    let spec = AbcSpec { ray_cycles: 1, slots: 2, planes: 9, closes: [false; 2], buffered: true, ring: 4 };
+    let spec = AbcSpec { ray_cycles: 1, slots: 2, planes: 9, closes: [false; 2], buffered: true, reach: 1, ring: 4 };
     let mut unit = AbcUnit::new([(spec, NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 1, 1).unwrap();
@@ -250,7 +251,7 @@ fn with_three_planes_the_input_waits_for_the_end_of_a_plane_and_with_more_it_doe
     let setup = setup();
     let (slots, planes) = (6, 8);
     let cycles = |ring: u64, every: u64| {
-        let spec = AbcSpec { ray_cycles: 1, slots, planes, closes: [false; 2], buffered: true, ring };
+        let spec = AbcSpec { ray_cycles: 1, slots, planes, closes: [false; 2], buffered: true, reach: 1, ring };
         run(&setup, spec, every, 2, |_| true).cycles
     };
     // One cycle before the first ray is there, its neighbours a plane and a ray later, and then a ray a cycle.
@@ -261,7 +262,7 @@ fn with_three_planes_the_input_waits_for_the_end_of_a_plane_and_with_more_it_doe
     assert_eq!(cycles(3, 1), free + THREE_PLANES_COST * (planes - 3));
     // Without a gradient nothing waits, with one plane or many.
     for ring in 1..5 {
-        let spec = AbcSpec { ray_cycles: 1, slots, planes, closes: [true; 2], buffered: false, ring };
+        let spec = AbcSpec { ray_cycles: 1, slots, planes, closes: [true; 2], buffered: false, reach: 1, ring };
         assert_eq!(run(&setup, spec, 1, 2, |_| true).cycles, 1 + slots * planes);
     }
 }
@@ -284,7 +285,7 @@ fn no_shape_of_frame_gets_stuck_with_three_planes() {
 #[test]
 fn with_two_planes_the_unit_waits_for_itself_and_says_so() {
     let setup = setup();
-    let spec = AbcSpec { ray_cycles: 1, slots: 3, planes: 5, closes: [false; 2], buffered: true, ring: 2 };
+    let spec = AbcSpec { ray_cycles: 1, slots: 3, planes: 5, closes: [false; 2], buffered: true, reach: 1, ring: 2 };
     let mut unit = AbcUnit::new([(spec, NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 2, 1).unwrap();
@@ -317,7 +318,7 @@ fn the_ring_takes_planes_of_this_frame_and_the_next_and_of_no_third() {
     for closes in [[false; 2], [true; 2]] {
         for planes in 1..4_u64 {
             for ring in 3..9 {
-                let spec = AbcSpec { ray_cycles: 1, slots: 3, planes, closes, buffered: true, ring };
+                let spec = AbcSpec { ray_cycles: 1, slots: 3, planes, closes, buffered: true, reach: 1, ring };
                 let mut unit = AbcUnit::new([(spec, NoShading); 4]);
                 let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
                 // Nobody takes the shaded rays, and so the first planes of frame 0 stay.
@@ -342,4 +343,43 @@ fn the_ring_takes_planes_of_this_frame_and_the_next_and_of_no_third() {
             }
         }
     }
+}
+
+/// Neighbours of a near frame are several rays and planes away: the first slot waits for that many, and a ring of 2·reach + 2 planes never
+/// holds the input.
+#[test]
+fn farther_neighbours_cost_their_planes_once() {
+    let setup = setup();
+    let (slots, planes) = (6, 12);
+    for reach in 1..=5 {
+        let spec = |ring| AbcSpec { ray_cycles: 1, slots, planes, closes: [false; 2], buffered: true, reach, ring };
+        assert_eq!(spec(4).needed(0, 0), reach * slots + reach + 1);
+        assert_eq!(spec(4).needed(planes - 1, slots - 1), planes * slots);
+        let cycles = |ring| run(&setup, spec(ring), 1, 2, |_| true).cycles;
+        let free = 1 + reach * slots + reach + slots * planes;
+        assert_eq!([cycles(2 * reach + 2), cycles(64)], [free; 2], "{reach}");
+        assert!(cycles(2 * reach + 1) > free, "{reach}");
+    }
+}
+
+#[test]
+fn a_ring_too_small_for_farther_neighbours_is_named() {
+    let setup = setup();
+    let spec = AbcSpec { ray_cycles: 1, slots: 3, planes: 9, closes: [false; 2], buffered: true, reach: 3, ring: 6 };
+    let mut unit = AbcUnit::new([(spec, NoShading)]);
+    let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
+    let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 2, 1).unwrap();
+    let mut offered = 0_u32;
+    for _ in 0..90 {
+        if let Some(ray) = samples.push_slot() {
+            (ray.plane, ray.slot) = (offered / 3, offered % 3);
+            offered += 1;
+        }
+        unit.tick(std::slice::from_ref(&setup), &mut samples, &mut shaded);
+        shaded.pop();
+        samples.commit();
+        shaded.commit();
+    }
+    let wait = unit.inner_wait(&samples).unwrap();
+    assert_eq!((wait.unit, wait.capacity, wait.upon), ("abc", 6, "abc"));
 }

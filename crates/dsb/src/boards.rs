@@ -229,6 +229,8 @@ mod tests {
                     weight_bits: 8,
                     rule: if plane { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
                     grid: 0.5,
+                    reach: 1,
+                    joins: false,
                 })
             },
         )

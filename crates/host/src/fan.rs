@@ -34,7 +34,7 @@ pub struct Fan {
 /// What the two fans of a pass share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FanShape {
-    /// The first plane at or beyond the eye.
+    /// The first plane behind the eye.
     pub first_depth: usize,
     /// Planes of the volume.
     pub depths: usize,

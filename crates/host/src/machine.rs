@@ -299,6 +299,9 @@ pub struct Abc {
     pub reflectance_bits: u32,
     /// Planes of samples in the ring: above, current, below, and those that come in.
     pub planes: usize,
+    /// Most rays from a sample to the neighbours along u and v that its gradient reads: where an eye is near, as many as make a voxel,
+    /// but no more than these. The ring then has two planes more for each beyond the first.
+    pub reach: u32,
 }
 
 /// Gradient estimators, by the samples that they read. Sections 4 of the paper and 3 of the design.
@@ -437,6 +440,7 @@ impl Default for Abc {
             root_bits: 8,
             reflectance_bits: 6,
             planes: 4,
+            reach: 8,
         }
     }
 }
@@ -673,6 +677,7 @@ impl MachineSpec {
         check((1..=65536).contains(&latency), "boards.link_latency_cycles", latency.to_string(), "outside 1 to 65536")?;
         count("dsb.ports", Some(self.dsb.ports), 2, "outside 1 to 2")?;
         check((1..=64).contains(&self.abc.planes), "abc.planes", self.abc.planes.to_string(), "outside 1 to 64")?;
+        check((1..=64).contains(&self.abc.reach), "abc.reach", self.abc.reach.to_string(), "outside 1 to 64")?;
         rate("host_link.bytes_per_cycle", self.host_link.bytes_per_cycle)
     }
 }

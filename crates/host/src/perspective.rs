@@ -7,8 +7,13 @@ use serde::{Deserialize, Serialize};
 /// Fraction bits of a sample's place in perspective; see [`Geometry::place`].
 pub const PLACE_BITS: u32 = 16;
 
-/// Grid steps by which rays go beyond a slope of 1, so that the warp finds all neighbours where two base planes join.
-const MARGIN: f64 = 2.0;
+/// Grid steps by which rays go beyond those that pictures show, so that the warp finds all neighbours at the edge; the gradients of those
+/// find theirs as many rays farther as they reach.
+const MARGIN: f64 = 1.0;
+
+/// Part of F by which the rays that pictures show go beyond a slope of 1 in near frames, so that the warp can pass from one base plane to the
+/// next over some width.
+const OVERLAP: f64 = 0.125;
 
 /// The fans of a pass, and where its eye is.
 ///
@@ -21,7 +26,7 @@ pub struct Perspective {
     pub u: Fan,
     /// Rays along v.
     pub v: Fan,
-    /// The first plane at or beyond the eye; in front of it are no samples.
+    /// The first plane behind the eye; in front of it are no samples.
     pub first_depth: usize,
     /// w of the grid plane, a fraction of [`SLOPE_FRACTION_BITS`]: 0 where it is the base plane.
     pub grid_plane: i64,
@@ -30,6 +35,10 @@ pub struct Perspective {
     /// Whether rays may share columns, so that a slot needs its own cell: beams of rows Y and Y + 1 are fetched for every plane, and
     /// each is gathered twice.
     pub doubled: bool,
+    /// Most rays from a sample to the neighbours along u and v that its gradient reads.
+    pub most_reach: u32,
+    /// Rays beyond a slope of 1 that pictures show where two near frames join; none in others.
+    pub overlap: u32,
 }
 
 impl Perspective {
@@ -41,6 +50,21 @@ impl Perspective {
         let depth = (k - self.first_depth as i64) as f64 + part;
         (self.spacing[0] as f64 + depth * self.spacing[1] as f64) / one
     }
+
+    /// The slope of the last ray beyond 1 that pictures show, where it is 1 and more: the other side of a joint begins at one over it.
+    pub fn farthest_slope(&self) -> f64 {
+        1.0 + f64::from(self.overlap) * self.spacing[1] as f64 / f64::from(1_u32 << SLOPE_FRACTION_BITS)
+    }
+
+    /// How many rays at a plane, plus an offset, are about a voxel.
+    pub fn reach_at(&self, k: i64, offset: u32, weight_bits: u32) -> u32 {
+        reach(self.spacing_at(k, offset, weight_bits), self.most_reach)
+    }
+}
+
+/// How many rays that are `spacing` apart are about a voxel, one and `most` at most.
+fn reach(spacing: f64, most: u32) -> u32 {
+    if spacing > 0.0 { (1.0 / spacing).round().clamp(1.0, f64::from(most)) as u32 } else { most }
 }
 
 /// What a pass is made from.
@@ -60,6 +84,17 @@ pub struct PassShape {
     pub rule: TemplateRule,
     /// Least distance of the grid plane from the eye, in depths n_w.
     pub grid: f64,
+    /// Most rays to a gradient's neighbours along u and v: see [`Perspective::reach_at`].
+    pub reach: u32,
+    /// Whether another near frame may join this one, if it is near: rays then go on beyond a slope of 1.
+    pub joins: bool,
+}
+
+impl PassShape {
+    /// Whether the eye is so near that rays in front are less than a voxel apart.
+    pub fn is_near(&self) -> bool {
+        -self.eye[2] < self.grid * self.size[2] as f64
+    }
 }
 
 /// The distance of the grid plane from the eye, and its w: the base plane, or where the eye is nearer than `least`, that far behind it.
@@ -72,7 +107,13 @@ fn register(x: f64) -> i64 {
 }
 
 /// Rays along one axis from an eye at `eye`, `distance` from the grid plane at `plane`.
-fn rays(eye: f64, [eye_w, distance, plane]: [f64; 3], first_depth: usize, depths: usize, columns: usize) -> Rays {
+fn rays(
+    eye: f64,
+    [eye_w, distance, plane]: [f64; 3],
+    [first_depth, depths]: [usize; 2],
+    columns: usize,
+    margin: f64,
+) -> Rays {
     // The ray that is at x on plane k crosses the grid at x + (x − e)·(1/m − 1).
     let crossing = |x: f64, k: f64| {
         let behind = k - eye_w;
@@ -90,7 +131,7 @@ fn rays(eye: f64, [eye_w, distance, plane]: [f64; 3], first_depth: usize, depths
         ends.map(|k| crossing(low, k)).into_iter().fold(f64::INFINITY, f64::min),
         ends.map(|k| crossing(high, k)).into_iter().fold(f64::NEG_INFINITY, f64::max),
     ];
-    let steep = [eye - distance - MARGIN, eye + distance + MARGIN];
+    let steep = [eye - distance - margin, eye + distance + margin];
     let first = meets[0].max(steep[0]).floor();
     let last = meets[1].min(steep[1]).ceil();
     let count = if last >= first { (last - first) as usize + 1 } else { 0 };
@@ -112,15 +153,20 @@ impl Geometry {
     pub fn perspective(shape: &PassShape) -> Option<Geometry> {
         let [nu, nv, depths] = shape.size;
         let [eye_u, eye_v, eye_w] = shape.eye;
-        let first_depth = eye_w.ceil().max(0.0);
+        // On the eye's own plane all rays are at one place, and nothing there has a gradient.
+        let first_depth = (eye_w.floor() + 1.0).max(0.0);
         if first_depth >= depths as f64 {
             return None;
         }
         let first_depth = first_depth as usize;
         let (distance, plane) = grid(eye_w, shape.grid * depths as f64);
         let along = [eye_w, distance, plane];
-        let (along_u, along_v) =
-            (rays(eye_u, along, first_depth, depths, nu), rays(eye_v, along, first_depth, depths, nv));
+        let doubled = plane != 0.0;
+        let most_reach = reach((first_depth as f64 - eye_w) / distance, shape.reach);
+        let overlap = if doubled && shape.joins { (distance * OVERLAP).floor() } else { 0.0 };
+        let margin = MARGIN + f64::from(most_reach) + overlap;
+        let planes = [first_depth, depths];
+        let (along_u, along_v) = (rays(eye_u, along, planes, nu, margin), rays(eye_v, along, planes, nv, margin));
         let steepest = along_u.slopes.iter().chain(&along_v.slopes).map(|slope| slope.abs()).max().unwrap_or(0);
         let offset = shape.offset.min(largest_offset(shape.rule, steepest, shape.weight_bits));
         let fans = FanShape { first_depth, depths, offset, weight_bits: shape.weight_bits, rule: shape.rule };
@@ -142,7 +188,9 @@ impl Geometry {
                 first_depth,
                 grid_plane: register(plane),
                 spacing: [register(spacing), register(1.0 / distance)],
-                doubled: plane != 0.0,
+                doubled,
+                most_reach,
+                overlap: overlap as u32,
             }),
         })
     }
@@ -185,9 +233,9 @@ mod tests {
     fn any_pass() -> impl Strategy<Value = Geometry> {
         let size = [1_usize..9, 1_usize..9, 1_usize..9];
         let grid = prop_oneof![Just(0.5), 0.1..4.0_f64];
-        (size, eyes(), 0.0..1.0_f64, 0_u32..=12, any::<bool>(), grid).prop_filter_map(
+        (size, eyes(), 0.0..1.0_f64, 0_u32..=12, any::<bool>(), grid, 1_u32..9, any::<bool>()).prop_filter_map(
             "an eye from which no ray meets the volume",
-            |(size, eye, offset, weight_bits, plane, grid)| {
+            |(size, eye, offset, weight_bits, plane, grid, reach, joins)| {
                 Geometry::perspective(&PassShape {
                     size,
                     axes: Axes { axis: [0, 1, 2], reversed: [false; 3] },
@@ -196,6 +244,8 @@ mod tests {
                     weight_bits,
                     rule: if plane { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor },
                     grid,
+                    reach,
+                    joins,
                 })
             },
         )
@@ -290,6 +340,8 @@ mod tests {
             weight_bits: 8,
             rule: TemplateRule::SampleFloor,
             grid: 0.5,
+            reach: 1,
+            joins: false,
         };
         let geometry = Geometry::perspective(&shape).unwrap();
         for k in 0..32 {

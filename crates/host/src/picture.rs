@@ -4,7 +4,7 @@
 //! to z before y before x. Each pass is a frame of its own with its own base plane, and the warp joins them.
 
 use crate::perspective::Perspective;
-use crate::setup::{check_perspective, checked_view, registers, wanted_offset};
+use crate::setup::{check_perspective, checked_view, reads_gradients, registers, wanted_offset};
 use crate::{
     Axes, Fan, FrameSetup, Geometry, HostError, ImagePlane, LeftOut, MachineSpec, PassShape, VolumeInfo, canonical,
     frame_setup,
@@ -49,9 +49,9 @@ pub fn picture_setup(
     let eye = given.unwrap_or([0, 1, 2].map(|i| eye_world[i] / volume.spacing[i]));
     let offset = wanted_offset(scene, machine);
     let mut frames = PictureFrames { setups: Vec::new(), view, plane, eye_voxel: Some(eye), left_out: Vec::new() };
-    for axes in passes(&plane, &view, volume) {
+    let shape = |axes: Axes| {
         let size = axes.permute(volume.dims);
-        let geometry = Geometry::perspective(&PassShape {
+        PassShape {
             size,
             axes,
             eye: axes.canonical_position(size, eye),
@@ -59,7 +59,14 @@ pub fn picture_setup(
             weight_bits: machine.words.weight_bits,
             rule: machine.rays.template,
             grid: machine.rays.grid,
-        });
+            reach: if reads_gradients(scene) { machine.abc.reach } else { 1 },
+            joins: false,
+        }
+    };
+    let shapes: Vec<PassShape> = passes(&plane, &view, volume).into_iter().map(shape).collect();
+    let joins = shapes.iter().filter(|shape| shape.is_near()).count() > 1;
+    for shape in shapes {
+        let geometry = Geometry::perspective(&PassShape { joins, ..shape });
         let Some(geometry) = geometry else {
             continue;
         };

@@ -38,6 +38,26 @@ pub struct FrameSetup {
     pub ends: Option<EndRegisters>,
 }
 
+impl FrameSetup {
+    /// How many rays away, along u and along v, the neighbours of the samples at a depth are.
+    #[inline]
+    pub fn reach(&self, k: usize) -> i64 {
+        let reach = self.rays.as_ref().and_then(|rays| rays.reach.as_ref());
+        reach.map_or(1, |reach| i64::from(reach[k]))
+    }
+
+    /// Planes of the ring on a machine of so many: two more for each ray and plane by which neighbours are farther than the next.
+    pub fn ring(&self, planes: usize) -> usize {
+        planes + 2 * (self.most_reach() - 1)
+    }
+
+    /// The farthest of them in rays, at any depth.
+    pub fn most_reach(&self) -> usize {
+        let reach = self.rays.as_ref().and_then(|rays| rays.reach.as_ref());
+        reach.and_then(|reach| reach.iter().max()).map_or(1, |&most| most as usize)
+    }
+}
+
 /// What differs from ray to ray and from depth to depth of a perspective frame, each a table over one axis; rays are in the
 /// order of their slots.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -61,11 +81,14 @@ pub struct RayRegisters {
     pub slope_u: Vec<u32>,
     /// Along v.
     pub slope_v: Vec<u32>,
-    /// By depth, 1 / max(m, 1): what makes a slope a shear in rays. A fraction of [`RayRegisters::SLOPE_BITS`].
+    /// By depth, 1 / max(j·m, 1) for neighbours j rays away: what makes a slope a shear in units of their distance. A fraction of [`RayRegisters::SLOPE_BITS`].
     pub closeness: Vec<u32>,
     /// By depth: factors of the gradient's components, fractions of [`GradientScale::FACTOR_BITS`].
     pub factors: Vec<[u32; 3]>,
-    /// By depth, min(m, 1), a fraction of [`GradientScale::FACTOR_BITS`]: what the difference along the ray is multiplied with.
+    /// By depth, how many rays away along u and v the neighbours are that a gradient reads: where rays are closer than a voxel, as
+    /// many as make about one. Absent where they are nowhere closer, and neighbours are the next rays.
+    pub reach: Option<Vec<u32>>,
+    /// By depth, min(j·m, 1), a fraction of [`GradientScale::FACTOR_BITS`]: what the difference along the ray is multiplied with.
     /// Absent where m is never below 1.
     pub nearness: Option<Vec<u32>>,
 }
@@ -84,7 +107,7 @@ impl RayRegisters {
         (self.length_u[column] + self.length_v[row]) >> Self::CLASS_SHIFT
     }
 
-    /// How far a ray of a slope moves from a plane to the next, in rays that are apart by the plane's m: a fraction of
+    /// How far a ray of a slope moves from a plane to the next, in units of the distance to its neighbours on the plane: a fraction of
     /// `weight_bits`, at most 1.
     #[inline(always)]
     pub fn shear(slope: u32, closeness: u32, weight_bits: u32) -> u32 {

@@ -204,6 +204,11 @@ fn is_lit(scene: &Scene) -> bool {
     scene.material.shaded && lights_matter(scene.mode)
 }
 
+/// Whether pixels of a scene depend on gradients.
+pub(crate) fn reads_gradients(scene: &Scene) -> bool {
+    is_lit(scene) || scene.transfer.is_two_dimensional()
+}
+
 /// Rays that are no farther apart than this anywhere, in voxels, are near throughout.
 const NEAR_SPACING: f64 = 2.0;
 
@@ -423,7 +428,9 @@ fn ray_registers(
         };
         slopes.iter().map(register).collect()
     };
-    let spacing = |k: usize| pass.spacing_at(k as i64, geometry.offset, geometry.weight_bits);
+    let reach = |k: usize| pass.reach_at(k as i64, geometry.offset, geometry.weight_bits);
+    // From a sample to its neighbours along u and v.
+    let spacing = |k: usize| pass.spacing_at(k as i64, geometry.offset, geometry.weight_bits) * f64::from(reach(k));
     let depths = 0..geometry.size[2];
     let (scale, _) = basis.scale(method);
     let factor = |x: f64| quantise_fraction(x, GradientScale::FACTOR_BITS);
@@ -452,6 +459,7 @@ fn ray_registers(
                 [factor(scale[0] / apart), factor(scale[1] / apart), factor(scale[2])]
             })
             .collect(),
+        reach: pass.doubled.then(|| depths.clone().map(reach).collect()),
         nearness: pass.doubled.then(|| depths.map(|k| factor(spacing(k))).collect()),
     }
 }
@@ -742,6 +750,8 @@ mod tests {
                 weight_bits: 8,
                 rule: crate::TemplateRule::SampleFloor,
                 grid: 0.5,
+                reach: 1,
+                joins: false,
             };
             let geometry = Geometry::perspective(&shape).unwrap();
             let steps = StepLengths::new(&scene, &geometry, spacing);

@@ -1,5 +1,6 @@
 //! The base-plane image, and its warp to the picture.
 
+use crate::perspective::Perspective;
 use crate::picture::major;
 use crate::{Geometry, ImagePlane, SLOPE_FRACTION_BITS};
 use glam::DVec2;
@@ -79,7 +80,8 @@ pub fn warp_reals(
 }
 
 /// Warps the base planes of a picture's passes, each with its geometry: [`warp`] for a parallel view; for an eye each pixel is taken
-/// from the pass of its ray's major axis, where the ray crosses its grid plane.
+/// from the pass of its ray's major axis, where the ray crosses its grid plane. Where near frames join, whose samples begin at the eye
+/// and not at a common face, both show the rays of a narrow strip, and one gives way to the other: see [`share`].
 pub fn warp_passes(
     passes: &[(&BasePlane, &Geometry)],
     plane: &ImagePlane,
@@ -94,19 +96,46 @@ pub fn warp_passes(
         for column in 0..plane.width {
             let (_, direction) = plane.ray(column as f64, row as f64);
             let direction = [0, 1, 2].map(|i| direction[i] / spacing[i]);
-            let (axis, reversed) = major(direction);
-            let pass = passes
-                .iter()
-                .find(|(_, geometry)| (geometry.axes.axis[2], geometry.axes.reversed[2]) == (axis, reversed));
             let through = plane.crossing(column as f64, row as f64);
             let through = [0, 1, 2].map(|i| through[i] / spacing[i]);
-            let pixel = pass.map_or([0.0; 4], |(base, geometry)| {
+            let seen = |(base, geometry): &(&BasePlane, &Geometry)| {
                 bilinear(&|column, row| base.real(column, row), on_grid(geometry, through, direction))
-            });
-            picture.push(over(pixel, background));
+            };
+            let (axis, reversed) = major(direction);
+            let of = |axis: usize, reversed: bool| {
+                passes
+                    .iter()
+                    .find(|(_, geometry)| (geometry.axes.axis[2], geometry.axes.reversed[2]) == (axis, reversed))
+            };
+            let Some(main) = of(axis, reversed) else {
+                picture.push(over([0.0; 4], background));
+                continue;
+            };
+            let (mut sum, mut whole) = (seen(main), 1.0);
+            for other in (0..3).filter(|&other| other != axis) {
+                let slope = (direction[other] / direction[axis]).abs();
+                let Some(beside) = of(other, direction[other] < 0.0) else {
+                    continue;
+                };
+                let share = share(slope, main.1, beside.1);
+                if share > 0.0 {
+                    let pixel = seen(beside);
+                    sum = [0, 1, 2, 3].map(|i| sum[i] + share * pixel[i]);
+                    whole += share;
+                }
+            }
+            picture.push(over(sum.map(|x| x / whole), background));
         }
     }
     picture
+}
+
+/// What the pass beside weighs against 1 of a ray's own pass, for a ray whose part along the other major axis is `slope` of that along its
+/// own: 1 at the joint, down to 0 at the last slope that both have.
+fn share(slope: f64, own: &Geometry, beside: &Geometry) -> f64 {
+    let farthest = |geometry: &Geometry| geometry.perspective.as_ref().map_or(1.0, Perspective::farthest_slope);
+    let width = 1.0 - 1.0 / farthest(own).min(farthest(beside));
+    if width > 0.0 { (1.0 - (1.0 - slope) / width).max(0.0) } else { 0.0 }
 }
 
 /// Where a ray (a point and a direction in voxels) crosses the grid plane of a pass, in pixels of its base plane.

@@ -227,6 +227,7 @@ pub fn machine(dice: &mut Dice, words: Words) -> MachineSpec {
             root_bits: dice.word(4, 10.min(2 * words.normal_bits - 2)),
             reflectance_bits: dice.word(2, 4),
             planes: 4,
+            reach: dice.word(1, 5),
         },
         ..MachineSpec::default()
     };
