@@ -613,7 +613,9 @@ impl<A: Shade> AbcUnit<A> {
         if frame == self.state.frame {
             return plane < oldest + spec.ring;
         }
-        frame == self.state.frame + 1 && spec.planes - oldest + plane < spec.ring
+        // The next frame's ring may be the smaller one: its neighbours may be nearer.
+        let next = self.frames.get(frame as usize).map_or(0, |next| next.spec.ring);
+        frame == self.state.frame + 1 && spec.planes - oldest + plane < spec.ring && plane < next
     }
 
     #[inline]

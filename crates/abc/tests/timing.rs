@@ -383,3 +383,29 @@ fn a_ring_too_small_for_farther_neighbours_is_named() {
     let wait = unit.inner_wait(&samples).unwrap();
     assert_eq!((wait.unit, wait.capacity, wait.upon), ("abc", 6, "abc"));
 }
+
+/// A frame whose neighbours are near follows one whose are far: it may come in as far as its own ring goes, not the other's.
+#[test]
+fn the_next_frame_comes_in_as_far_as_its_own_ring_goes() {
+    let setups = [setup(), setup()];
+    let spec =
+        |reach, ring| AbcSpec { ray_cycles: 1, slots: 1, planes: 12, closes: [false; 2], buffered: true, reach, ring };
+    let mut unit = AbcUnit::new([(spec(4, 10), NoShading), (spec(1, 4), NoShading)]);
+    let mut samples = Channel::<SampleRay<()>>::new("samples", 1, 1).unwrap();
+    let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 1, 1).unwrap();
+    let mut offered = 0_u32;
+    for _ in 0..200 {
+        if let Some(ray) = samples.push_slot() {
+            (ray.frame, ray.plane, ray.slot) = (offered / 12, offered % 12, 0);
+            offered += 1;
+        }
+        unit.tick(&setups, &mut samples, &mut shaded);
+        // The last ray of the first frame stays.
+        if shaded.counters().pushes < 11 {
+            shaded.pop();
+        }
+        samples.commit();
+        shaded.commit();
+    }
+    assert_eq!(samples.counters().pops, 12 + 4);
+}
