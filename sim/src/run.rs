@@ -177,7 +177,7 @@ pub fn run_frame_with(
     let report = asked.report(&frames, &run, found)?;
     let mut told = run.told;
     told.extend(findings.notes(run.bases.as_deref(), samples));
-    told.extend(ray_spacing::notes(volume.words.dims, volume.words.spacing));
+    told.extend(ray_spacing::notes(volume.dims(), volume.words.spacing));
     Ok(RunResult { report, pictures, notes: told, counters: run.counters })
 }
 
