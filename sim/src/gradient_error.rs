@@ -1,6 +1,6 @@
 //! How far the machine's gradients are from the true ones, where the scene shows a surface.
 
-use cube3_abc::golden::{Local, Neighbourhood, classify_in, local_gradient, normalise};
+use cube3_abc::golden::{Local, Neighbourhood, behind_the_eye, classify_in, local_gradient, normalise};
 use cube3_host::{Basis, DiscreteRay, FrameSetup, Perspective, SLOPE_FRACTION_BITS, whole_step_opacity};
 use cube3_trilin::golden::{Weights, cell, lift};
 use cube3_volume::VoxelWords;
@@ -48,7 +48,8 @@ fn gradient_pairs(setup: &FrameSetup, volume: &VoxelWords) -> Vec<([f64; 3], [f6
             let class = setup.rays.as_ref().map_or(0, |rays| rays.length_class(row, column));
             let gradient = |k: i64| {
                 let local = Local::new([ray.u, ray.v, k], registers, setup);
-                local_gradient(&machine.around(ray, k, registers.border), registers, &local, &setup.words).value
+                let around = behind_the_eye(&machine.around(ray, k, registers.border), [ray.u, ray.v, k], setup);
+                local_gradient(&around, registers, &local, &setup.words).value
             };
             let opaque = |k: &usize| {
                 let (k, table) = (*k as i64, &setup.classification);

@@ -181,6 +181,9 @@ impl<'a> Findings<'a> {
             _ if scene.transfer.is_two_dimensional() => {
                 "no sample has a value and a gradient that the transfer function shows".into()
             }
+            _ if scene.crop.as_ref().is_some_and(|crop| (0..3).any(|i| crop.min_voxel[i] == crop.max_voxel[i])) => {
+                "the crop box has no thickness".into()
+            }
             _ => format!(
                 "{share} of the voxels have a value that is shown, but the samples, between voxels, have other values; rays.offset = 0 in \
                  the machine file puts them on planes of voxels"

@@ -8,7 +8,7 @@
 //! Voxels are looked at, not the samples between them: where voxels of one value lie together, samples have that value too.
 
 use crate::inputs::LoadedVolume;
-use cube3_host::{Classification, FrameSetup, MachineSpec, OpacityEntries};
+use cube3_host::{Classification, FrameSetup, MachineSpec, OpacityEntries, whole_step_opacity};
 use cube3_report::{OpacityChange, OpacityReport};
 use cube3_scene::{Mode, Scene, corrected_opacity};
 use cube3_word::{Words, quantise_unit, unit_full, unit_resize};
@@ -103,6 +103,12 @@ impl CheckedFrame<'_> {
         let entries = OpacityEntries::of(scene, &machine, &volume.info(), setup);
         let index_shift = words.sample_bits() - words.table_bits;
         let seen = Seen::of(scene, words);
+        // Where ends of rays are exact, the word of a whole step need not be the full one.
+        let whole = match (table, &setup.ends) {
+            (Some(_), Some(_)) => whole_step_opacity(scene.mode, words, setup.geometry.size[2]),
+            _ => unit_full(words.opacity_bits),
+        };
+        let scale = f64::from(unit_full(words.opacity_bits)) / f64::from(whole);
         let of_word = |word: usize| {
             let index = word << words.sample_fraction_bits >> index_shift;
             let (value, middle) = (self.value_of(word), entries.values[index]);
@@ -116,7 +122,7 @@ impl CheckedFrame<'_> {
                 let entry = (class * entries.magnitudes.len() + row) * entries.values.len() + index;
                 let held =
                     table.map_or_else(|| quantise_unit(centre, words.opacity_bits), |table| table.opacity[entry]);
-                [seen.of_real(real), seen.of_real(centre), seen.of_word(held)]
+                [seen.of_real(real), seen.of_real(centre), seen.of_word(held) * scale]
             });
             (word, value, opacities.collect())
         };

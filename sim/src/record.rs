@@ -8,8 +8,8 @@ use crate::machine::{Machine, RunError};
 use crate::trace::{self, Recorder};
 use cube3_abc::AbcSpec;
 use cube3_abc::golden::{
-    Light, Local, Neighbourhood, Normal, Shaded, classify_in, halfway, lit, local_gradient, normalise, opacity_class,
-    phong_from, reflectance, shade, view_vector,
+    Light, Local, Neighbourhood, Normal, Shaded, behind_the_eye, classify_in, halfway, lit, local_gradient, normalise,
+    opacity_class, phong_from, reflectance, shade, view_vector,
 };
 use cube3_cfb::golden::Skew;
 use cube3_cfb::{FrameBuffer, FrameBufferError, scan};
@@ -500,7 +500,7 @@ impl Frame<'_> {
         let mut gradient = [0; 3];
         let mut sample = None;
         if let Some(registers) = &setup.gradient {
-            let around = self.around(ray, k as i64);
+            let around = behind_the_eye(&self.around(ray, k as i64), at, self.setup);
             let local = Local::new(at, registers, setup);
             if unit == gradient_unit(registers.method) {
                 return lines.add(|| gradient_line(&around, &local));

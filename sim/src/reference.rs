@@ -29,6 +29,9 @@ pub enum Reference {
 /// Half a voxel: on the default head the reference's own error is then a tenth of the distance that it measures; at a voxel it is a third.
 const STEP_VOXEL: f64 = 0.5;
 
+/// Steps that can be asked for: shorter ones take minutes, and longer ones skip what they are to measure, also at half the step.
+const STEPS: [f64; 2] = [0.002, 8.0];
+
 impl Default for Reference {
     /// Image order in steps of half a voxel.
     fn default() -> Self {
@@ -65,12 +68,15 @@ impl FromStr for Reference {
         match (reference, step) {
             (_, None) => Ok(reference),
             (Reference::ImageOrder { .. }, Some(step)) => match step.parse() {
-                Ok(step_voxel) if step_voxel > 0.0 && f64::is_finite(step_voxel) => {
+                Ok(step_voxel) if (STEPS[0]..=STEPS[1]).contains(&step_voxel) => {
                     Ok(Reference::ImageOrder { step_voxel })
                 }
-                _ => Err(format!("'{step}' is no step: give voxels above 0, e.g. image-order:0.25")),
+                _ => Err(format!(
+                    "'{step}' is no step for a reference: give {} to {} voxels, e.g. image-order:0.25",
+                    STEPS[0], STEPS[1]
+                )),
             },
-            _ => Err(format!("{name} takes the machine's own steps; leave ':{}' out", step.unwrap_or_default())),
+            (_, Some(step)) => Err(format!("{name} takes no step; leave ':{step}' out")),
         }
     }
 }
@@ -158,10 +164,13 @@ pub(crate) fn reference_error(
 /// The part of the distance between machine and reference from which on the reference's own error is not small beside it.
 const SMALL: f64 = 0.25;
 
+/// An error of the reference that nobody need know of: a tenth of a level of 255.
+const NOTHING: f64 = 0.1 / 255.0;
+
 /// What to say where the reference's own error is not small beside the distance that is measured with it.
 pub(crate) fn note(own: Option<&ReferenceError>, measured: &ErrorReport) -> Option<String> {
     let distance = measured.footprint.error?.mean_relative;
-    let own = own.filter(|own| own.error.mean_relative > SMALL * distance)?;
+    let own = own.filter(|own| own.error.mean_relative > (SMALL * distance).max(NOTHING))?;
     Some(format!(
         "the reference itself is {:.2} % from the same at half its step, over the object, and the picture is {:.2} % from the reference: \
          give --reference image-order:{}",
@@ -190,10 +199,12 @@ mod tests {
         }
         for (text, message) in [
             ("image", "known are"),
-            ("image-order:0", "give voxels above 0"),
-            ("image-order:", "give voxels above 0"),
-            ("image-order:inf", "give voxels above 0"),
+            ("image-order:0", "give 0.002 to 8 voxels"),
+            ("image-order:", "give 0.002 to 8 voxels"),
+            ("image-order:inf", "give 0.002 to 8 voxels"),
+            ("image-order:1000", "give 0.002 to 8 voxels"),
             ("true:0.5", "leave ':0.5' out"),
+            ("none:1", "leave ':1' out"),
         ] {
             assert!(text.parse::<Reference>().unwrap_err().contains(message), "{text}");
         }

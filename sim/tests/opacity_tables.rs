@@ -4,7 +4,7 @@ use cube3::inputs::{self, LoadedVolume};
 use cube3::reference::Reference;
 use cube3::run::{RunOptions, RunResult, Runs, run_frame};
 use cube3::sequence::{Series, run_sequence};
-use cube3_host::MachineSpec;
+use cube3_host::{MachineSpec, RayEnds};
 use cube3_report::{NO_OBJECT, OpacityReport};
 use cube3_scene::{Crop, Image, Material, Mode, Scene, Threshold, View, VolumeSource};
 use cube3_volume::{Phantom, ReadOptions, Volume};
@@ -300,6 +300,18 @@ fn what_hides_everything_is_said_and_has_no_error() {
         assert_eq!((error.whole, error.footprint.error, error.footprint.pixels), (None, None, 0), "{reason}");
         assert_eq!((error.remark.as_deref(), error.gradient_mean_deg), (Some(NO_OBJECT), None), "{reason}");
     }
+}
+
+/// A word of a weighted sum with exact ends is a part of the full one; it is no error of the table.
+#[test]
+fn the_word_of_a_whole_step_is_what_a_word_is_held_against() {
+    let volume = words(Phantom::Head.generate(40, &Default::default()).unwrap(), None);
+    let scene = Scene { mode: Mode::WeightedSum, ..Scene::default() };
+    let mut machine = machine();
+    machine.rays.ends = RayEnds::Exact;
+    let result = run(&scene, &machine, &volume);
+    assert_eq!(result.notes, [""; 0]);
+    assert!(opacity(&result).off_fraction < 0.01, "{:?}", opacity(&result));
 }
 
 /// Frames of a sequence that show nothing have a remark each.

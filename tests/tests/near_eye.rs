@@ -196,3 +196,20 @@ fn neighbours_are_about_a_voxel_away() {
         }
     }
 }
+
+/// Around an eye in solid matter there is no surface: light is ambient alone, in all directions.
+#[test]
+fn solid_matter_around_the_eye_has_no_faces() {
+    let words = vec![40_000_u16; N * N * N];
+    let solid = Input::new(Volume {
+        samples: Samples::U16(words),
+        ..Phantom::Fog.generate(N, &PhantomParams::default()).unwrap()
+    });
+    for eye in [[32.0; 3], [30.3, 33.1, 29.7]] {
+        let seen = scene(30.0, 7.0, eye, &[[0.0, 0.75]]);
+        let (pixels, _) = solid.picture(&seen, &MachineSpec::default());
+        // Ambient light is a tenth, in words of 12 bits.
+        let off = pixels.iter().flatten().map(|channel| (channel - 0.1).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-3, "{off} from {eye:?}");
+    }
+}

@@ -579,6 +579,17 @@ pub struct Shaded {
     pub colour: [u32; 3],
 }
 
+/// A neighbourhood as the gradient takes it. No ray goes on before its eye: in front of the first plane behind an eye in the volume there is
+/// the sample itself, and not the border, which would light the eye's surroundings as a face of the volume.
+pub fn behind_the_eye(s: &Neighbourhood, at: [i64; 3], setup: &FrameSetup) -> Neighbourhood {
+    let first = setup.geometry.perspective.as_ref().map_or(0, |pass| pass.first_depth as i64);
+    let mut seen = *s;
+    if first > 0 && at[2] == first {
+        seen[0] = [[s[1][1][1]; 3]; 3];
+    }
+    seen
+}
+
 /// Everything that an ABC unit does to sample k of ray (u, v), which is in the volume. Overflows are counted where the
 /// sample is not transparent.
 pub fn shade(s: &Neighbourhood, at: [i64; 3], setup: &FrameSetup) -> Counted<Shaded> {
@@ -589,7 +600,9 @@ pub fn shade(s: &Neighbourhood, at: [i64; 3], setup: &FrameSetup) -> Counted<Sha
         return nothing;
     }
     let gradient = match &setup.gradient {
-        Some(registers) => local_gradient(s, registers, &Local::new(at, registers, setup), words),
+        Some(registers) => {
+            local_gradient(&behind_the_eye(s, at, setup), registers, &Local::new(at, registers, setup), words)
+        }
         None => Counted { value: [0; 3], overflows: 0 },
     };
     let [row, column] = match &setup.rays {

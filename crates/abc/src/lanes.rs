@@ -313,7 +313,7 @@ impl AbcLanes {
         // Where the opacity depends on the gradient, that comes first.
         let first = self.table.rows.is_some();
         if first {
-            self.gradient_stages(&fill, count, at);
+            self.gradient_stages(&fill, count, at, &out.samples);
         }
         let Stages { magnitude, class, .. } = &self.stages;
         self.table.opacity(magnitude, class, out);
@@ -325,7 +325,7 @@ impl AbcLanes {
             return None;
         }
         if !first {
-            self.gradient_stages(&fill, count, at);
+            self.gradient_stages(&fill, count, at, &out.samples);
         }
         self.table.colour(out);
         self.light_stage(count, at, out);
@@ -358,11 +358,12 @@ impl AbcLanes {
         fill: &impl Fn(&[Neighbours], &mut Around),
         count: usize,
         at: impl Fn(usize) -> [i64; 3] + Copy,
+        samples: &Block<i32>,
     ) {
         if self.gradient.is_some() {
             fill(&self.reads, &mut self.stages.around);
         }
-        self.gradient_stage(count, at);
+        self.gradient_stage(count, at, samples);
         self.normal_stage();
     }
 
@@ -382,7 +383,7 @@ impl AbcLanes {
     }
 
     #[inline(always)]
-    fn gradient_stage(&mut self, count: usize, at: impl Fn(usize) -> [i64; 3] + Copy) {
+    fn gradient_stage(&mut self, count: usize, at: impl Fn(usize) -> [i64; 3] + Copy, samples: &Block<i32>) {
         let Stages { around, gradient: out, overflow, local, .. } = &mut self.stages;
         *overflow = [0; BLOCK];
         let Some(gradient) = &self.gradient else {
@@ -405,6 +406,9 @@ impl AbcLanes {
             for (place, from) in from.iter_mut().enumerate() {
                 let [w, v, u] = [place / 9, turned(place / 3 % 3, mirrored[1]), turned(place % 3, mirrored[0])];
                 *from = around[9 * w + 3 * v + u];
+            }
+            for lane in lanes.clone().filter(|&lane| rays.is_first(at(lane))) {
+                from[..9].iter_mut().for_each(|before| before[lane] = samples[lane]);
             }
             let (mut part, mut saturated) = ([[0; BLOCK]; 3], [0; BLOCK]);
             gradient.run_local(&from, local, mirrored, &mut part, &mut saturated);

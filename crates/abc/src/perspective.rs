@@ -29,6 +29,8 @@ pub(crate) struct RayLanes {
     first: [i64; 2],
     /// How many rays run against u and against v; the others follow.
     turns: [i64; 2],
+    /// The first plane behind an eye in the volume.
+    first_plane: Option<i64>,
     /// The first ray aimed at.
     aimed: i64,
     view: [Vec<i32>; 3],
@@ -45,6 +47,7 @@ impl RayLanes {
             weight_bits: setup.words.weight_bits,
             first,
             turns: [first[0] + pass.u.turn() as i64, first[1] + pass.v.turn() as i64],
+            first_plane: Some(pass.first_depth as i64).filter(|&first| first > 0),
             aimed: 0,
             view: Default::default(),
             halfway: vec![Default::default(); registers.at_eye.len()],
@@ -95,6 +98,12 @@ impl RayLanes {
     #[inline(always)]
     pub fn mirrored(&self, [u, v, _]: [i64; 3]) -> [bool; 2] {
         [u < self.turns[0], v < self.turns[1]]
+    }
+
+    /// Whether a sample is on the first plane behind an eye in the volume; see [`crate::golden::behind_the_eye`].
+    #[inline(always)]
+    pub fn is_first(&self, [_, _, k]: [i64; 3]) -> bool {
+        self.first_plane == Some(k)
     }
 
     /// Weights and factors of some lanes of a block.
