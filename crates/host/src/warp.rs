@@ -81,7 +81,7 @@ pub fn warp_reals(
 
 /// Warps the base planes of a picture's passes, each with its geometry: [`warp`] for a parallel view; for an eye each pixel is taken
 /// from the pass of its ray's major axis, where the ray crosses its grid plane. Where near frames join, whose samples begin at the eye
-/// and not at a common face, both show the rays of a narrow strip, and one gives way to the other: see [`share`].
+/// and not at a common face, both show the rays of a narrow strip, and one gives way to the other: see `share`.
 pub fn warp_passes(
     passes: &[(&BasePlane, &Geometry)],
     plane: &ImagePlane,
