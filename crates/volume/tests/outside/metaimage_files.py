@@ -42,6 +42,8 @@ def by_itk(files):
         save(f"itk_series_{frames}.mha", itk_image(grid, 4), f"series of {frames}", grid, frames == 3)
     grid = Grid(0, "uint8", dims=(6, 5, 1), turn=LPS, origin=(4.0, 5.0, 0.0))
     save("itk_axes_2.mha", itk_image(grid, 2), "2 axes", grid)
+    grid = Grid(0, "uint8", dims=(6, 5, 1), turn=rotation((0, 0, 1), 130), origin=(4.0, 5.0, 0.0))
+    save("itk_axes_2_turned.mha", itk_image(grid, 2), "2 axes, turned", grid)
     grid = Grid(19, "uint8", dims=(6, 5, 1))
     save("itk_one_slice.mha", itk_image(grid), "one slice of 3 axes", grid)
     for name, image, word in [
@@ -173,5 +175,41 @@ def by_hand(files):
     grid = Grid(41, "int16", turn=LPS @ numpy.diag([-1, 1, 1]))
     lines = lines_of(grid, spacing=grid.spacing * (-1, 1, 1), TransformMatrix="1 0 0 0 1 0 0 0 1")
     write("negative.mha", grid, "negative ElementSpacing", lines)
+    grid = Grid(43, "int16", turn=OBLIQUE @ numpy.diag([1, -1, -1]))
+    matrix = " ".join(repr(float(n)) for n in (LPS @ OBLIQUE).T.ravel())
+    lines = lines_of(grid, spacing=grid.spacing * (1, -1, -1), TransformMatrix=matrix)
+    write("negative_oblique.mha", grid, "negative ElementSpacing, oblique", lines)
+    # How lines are written.
+    grid = Grid(44, "int16", turn=OBLIQUE)
+    text = "".join(f"{key}={value}\n" for key, value in lines_of(grid).items()).encode() + grid.bytes()
+    files.path("metaimage/no_blanks.mha").write_bytes(text)
+    files.add(files.path("metaimage/no_blanks.mha"), "by hand", "no blanks about =", grid)
+    files.path("metaimage/a folder/of voxels.raw").write_bytes(grid.bytes())
+    lines = lines_of(grid, ElementDataFile="a folder/of voxels.raw", ElementNumberOfChannels=1)
+    write("in_folder.mhd", grid, "a data file in a folder, with blanks in its name", lines, b"")
+    text = "".join(f"{key} = {value}\r\n" for key, value in lines.items()).encode()
+    files.path("metaimage/crlf.mhd").write_bytes(text)
+    files.add(files.path("metaimage/crlf.mhd"), "by hand", "lines that end with CR LF", grid)
+    grid = Grid(45, "int16", turn=OBLIQUE)
+    names = parts("skip", grid, grid.dims[2])
+    for name in names:
+        path = files.path(f"metaimage/{name}")
+        path.write_bytes(b"0123456" + path.read_bytes())
+    lines = lines_of(grid, HeaderSize=7, ElementDataFile="LIST\n" + "\n".join(names))
+    write("list_header.mhd", grid, "a LIST, each file with a header of 7", lines, b"")
+    lines = lines_of(grid, HeaderSize=-1, ElementDataFile="LIST\n" + "\n".join(names))
+    write("list_header_end.mhd", grid, "a LIST, each file with a header of -1", lines, b"")
+    grid = Grid(46, "int16", frames=3)
+    names = parts("volume", grid, 3)
+    lines = lines_of(grid, ElementDataFile="LIST\n" + "\n".join(names), NDims=4)
+    lines["DimSize"] += " 3"
+    lines["ElementSpacing"] += " 1"
+    lines["Offset"] += " 0"
+    full = numpy.eye(4)
+    full[:3, :3] = grid.lps[0].T
+    lines["TransformMatrix"] = " ".join(map(repr, full.ravel().tolist()))
+    write("series_list.mhd", grid, "series of 3, volumes of a LIST", lines, b"")
+    lines["ElementDataFile"] = "volume_%02d.raw 1 3 1"
+    write("series_pattern.mhd", grid, "series of 3, volumes of a pattern", lines, b"")
     grid = Grid(42, "int16", turn=OBLIQUE)
     write("whole.mha.gz", grid, "the whole file through gzip", lines_of(grid), own="no library reads it")

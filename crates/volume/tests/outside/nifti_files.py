@@ -118,6 +118,16 @@ def by_nibabel(files):
     for n, frames in enumerate([2, 3, 4]):
         grid = Grid(9 * n + 2, ["int16", "uint8", "float32"][n], frames=frames)
         save(f"series_{n}.nii.gz", image_of(grid, 1 + n % 2, n == 1), f"series of {frames}", grid)
+    grid = Grid(13, "int16", frames=3, dims=(6, 5, 1))
+    save("series_slice.nii", image_of(grid), "series of 3 slices", grid)
+    grid = Grid(14, "int16")
+    image = image_of(grid, array=grid.values.reshape((*grid.dims, 1, 1, 1, 1), order="F"))
+    save("axes_7.nii", image, "7 axes, the last four of one", grid)
+    grid = Grid(15, "int16")
+    path = files.path("nifti/axes_zeros.nii")
+    image_of(grid).to_filename(path)
+    patch(path, 48, "hhhh", 0, 0, 0, 0)
+    files.add(path, "nibabel", "dim 0 beyond the axes", grid, canonical=True)
     # The fifth axis is that of several numbers a voxel.
     for n, frames in enumerate([1, 2]):
         path = files.path(f"nifti/vectors_{n}.nii")
@@ -148,6 +158,16 @@ def by_nibabel(files):
                 single = (lambda v: float(numpy.float32(v))) if n % 2 == 0 else float
                 grid.values = grid.values.astype(float) * single(slope) + single(inter)
             files.add(path, "nibabel", f"{dtype}, slope {slope}, intercept {inter}", grid, canonical=True)
+
+    # nibabel chooses a slope where reals go into integers.
+    for n, kind in enumerate(["uint8", "int16", "int32"]):
+        grid = Grid(n + 2, "float64")
+        image = image_of(grid)
+        image.set_data_dtype(kind)
+        path = files.path(f"nifti/fitted_{kind}.nii.gz")
+        image.to_filename(path)
+        grid.values = numpy.asanyarray(nibabel.load(path).dataobj).ravel(order="F")
+        files.add(path, "nibabel", f"reals as {kind}, slope by nibabel", grid, canonical=True)
 
     # What stands between header and voxels.
     grid = Grid(8, "int16", turn=OBLIQUE)
@@ -184,10 +204,19 @@ def by_nibabel(files):
 
     # Values that are no numbers, or several.
     rgb = numpy.zeros((3, 4, 5), dtype=[("R", "u1"), ("G", "u1"), ("B", "u1")])
-    for name, array, word in [("rgb", rgb, "RGB"), ("complex", numpy.zeros((3, 4, 5), "complex64"), "complex")]:
+    for name, array, word in [
+        ("rgb", rgb, "RGB"), ("complex64", numpy.zeros((3, 4, 5), "complex64"), "complex"),
+        ("complex128", numpy.zeros((3, 4, 5), "complex128"), "complex"),
+    ]:  # fmt: skip
         path = files.path(f"nifti/{name}.nii")
         nibabel.Nifti1Image(array, numpy.eye(4)).to_filename(path)
         files.refuse(path, "nibabel", name, word)
+
+    path = files.path("nifti/float128.nii")
+    nibabel.Nifti1Image(numpy.zeros((6, 4, 5)), numpy.eye(4)).to_filename(path)
+    patch(path, 42, "h", 3)
+    patch(path, 70, "hh", 1536, 128)
+    files.refuse(path, "nibabel", "reals of 128 bits", "128")
 
     # Analyze 7.5 has no world.
     for n, dtype in enumerate(["uint8", "int16", "int32", "float32", "float64"]):
@@ -201,6 +230,12 @@ def by_nibabel(files):
             path = files.path(f"analyze/{dtype}_{'big' if big else 'little'}{suffix}")
             image.to_filename(path)
             files.add(path, "nibabel", f"Analyze 7.5, {dtype}, {'big' if big else 'little'}, asked by {suffix}", grid)
+    grid = Grid(7, "int16").unplaced()
+    image = nibabel.AnalyzeImage(grid.array()[..., None], numpy.diag([*grid.spacing, 1]))
+    image.header.set_zooms([*map(float, grid.spacing), 1.0])
+    path = files.path("analyze/axes_4.img")
+    image.to_filename(path)
+    files.add(path, "nibabel", "Analyze 7.5, 4 axes, one volume", grid)
 
 
 def itk_image(grid, axes=3):

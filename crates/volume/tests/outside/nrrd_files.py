@@ -313,6 +313,53 @@ def by_hand(files):
     lines = basic(grid) + placed(grid, "RAS")
     write("whole.nrrd.gz", grid, "the whole file through gzip", lines, grid.bytes(), own="no library reads it")
 
+    # Fields that say nothing of place or values.
+    lines = ["content: a thing: with colons", "number: 60", "block size: 1"][:1] + basic(grid) + placed(grid, "RAS")
+    lines += ['labels: "x axis" "a \\"quoted\\" one" "z: up"', 'space units: "mm" "mm" "mm"', "thicknesses: nan nan 2"]
+    lines += ["measurement frame: (1,0,0) (0,1,0) (0,0,1)", "kinds: space space space", "centerings: cell cell cell"]
+    lines += ["old min: -5", "old max: 7", "min: 0", "max: 1", "sample units: mm", "a key:=of its: own", "# spacings: 9 9 9"]
+    write("many_fields.nrrd", grid, "every other field", lines, grid.bytes())
+    lines = [line.replace("sizes: ", "sizes:   ").replace(" 4", "  \t 4") for line in basic(grid)] + placed(grid, "RAS")
+    lines = [line.replace(",", " , ") if "directions" in line else line for line in lines]
+    write("blanks.nrrd", grid, "blanks within values", lines, grid.bytes())
+    lines = placed(grid, "RAS")[:1] + ["dimension: 3"] + placed(grid, "RAS")[1:]
+    lines += [line for line in basic(grid) if "dimension" not in line]
+    write("order.nrrd", grid, "fields in another order", lines, grid.bytes())
+    # Without an order of bytes where none is needed.
+    small = Grid(17, "uint8")
+    lines = basic(small, "uint8_t")[:-1] + placed(small, "LAS")
+    write("no_endian.nrrd", small, "8 bits without endian", lines, small.bytes())
+    lines = basic(grid, encoding="text")[:-1] + placed(grid, "LAS")
+    text = " ".join(map(str, grid.values.tolist())).encode()
+    write("no_endian_text.nrrd", grid, "text without endian", lines, text)
+    for n, (dtype, kind) in enumerate([
+        ("int8", "int8_t"), ("uint8", "unsigned char"), ("uint16", "unsigned short int"), ("int32", "signed int"),
+        ("uint32", "uint32_t"), ("int64", "signed long long int"), ("uint64", "unsigned long long"), ("int64", "int64_t"),
+    ]):  # fmt: skip
+        other = Grid(n + 5, dtype)
+        write(f"name_{n}.nrrd", other, f"type: {kind}", basic(other, kind) + placed(other, "LPS"), other.bytes())
+    path = files.path("nrrd/block.nrrd")
+    path.write_bytes(b"NRRD0004\ntype: block\nblock size: 3\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n" + bytes(24))
+    files.refuse(path, "by hand", "type: block", "block")
+    # Compressed data: lines are skipped before, bytes after they are unpacked.
+    packed = gzip.compress(b"1234" + grid.bytes())
+    for n, (skip, before) in enumerate([(["byte skip: 4"], b""), (["line skip: 1", "byte skip: 4"], b"a line\n")]):
+        files.path(f"nrrd/packed_{n}.gz").write_bytes(before + packed)
+        lines = basic(grid, encoding="gz") + placed(grid, "LPS") + skip + [f"data file: packed_{n}.gz"]
+        write(f"packed_{n}.nhdr", grid, f"gz, {', '.join(skip)}", lines, b"")
+    for n, (encoding, skip) in enumerate([("ascii", "line skip: 2"), ("hex", "line skip: 2")]):
+        text = grid.bytes().hex() if encoding == "hex" else " ".join(map(str, grid.values.tolist()))
+        files.path(f"nrrd/text_{n}.txt").write_text("one 1\ntwo 2\n" + text + "\n")
+        lines = basic(grid, encoding=encoding) + placed(grid, "LPS") + [skip, f"data file: text_{n}.txt"]
+        write(f"text_{n}.nhdr", grid, f"{encoding}, {skip}", lines, b"")
+    files.path("nrrd/folder/data.raw").write_bytes(grid.bytes())
+    lines = basic(grid) + placed(grid, "LPS") + ["data file: folder/data.raw"]
+    write("in_folder.nhdr", grid, "a data file in a folder", lines, b"")
+    lines = basic(grid) + placed(grid, "LPS") + [f"data file: {files.path('nrrd/folder/data.raw').resolve()}"]
+    write("absolute.nhdr", grid, "a data file by its whole path", lines, b"")
+    lines = basic(grid) + placed(grid, "LPS") + ["datafile: ./folder/data.raw"]
+    write("synonym.nhdr", grid, "datafile", lines, b"")
+
     # A data file with lines and bytes before the voxels.
     for n, (skip, before) in enumerate([
         (["line skip: 2"], b"one\ntwo\n"),
@@ -348,6 +395,15 @@ def by_hand(files):
         files.path(f"nrrd/row_{k:02}.bin").write_bytes(grid.bytes()[k * row : (k + 1) * row])
     lines = basic(grid) + placed(grid, "LPS") + ["data file: row_%02d.bin 0 23 1 1"]
     write("rows.nhdr", grid, "files of one row", lines, b"", "NRRD0004")
+    names = [f"row_{k:02}.bin" for k in range(24)]
+    lines = basic(grid) + placed(grid, "LPS") + ["data file: LIST 1", *names]
+    path = files.path("nrrd/list_1.nhdr")
+    path.write_text("\n".join(["NRRD0004", *lines, ""]))
+    files.add(path, "by hand", "LIST 1", grid)
+    for k in range(6):
+        files.path(f"nrrd/even_{2 + 3 * k}.bin").write_bytes(grid.bytes()[k * 24 : (k + 1) * 24])
+    lines = basic(grid) + placed(grid, "LPS") + ["data file: even_%d.bin 2 17 3"]
+    write("even.nhdr", grid, "every third of a pattern", lines, b"", "NRRD0004")
     for k in range(2):
         files.path(f"nrrd/half_{k}.bin").write_bytes(grid.bytes()[k * 72 : (k + 1) * 72])
     lines = basic(grid) + placed(grid, "LPS") + ["data file: half_%d.bin 0 1 1 3"]
