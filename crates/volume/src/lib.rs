@@ -31,6 +31,7 @@ mod text;
 mod thickness;
 mod volume;
 mod words;
+mod world;
 mod write;
 
 pub use error::{NonFinite, VolumeError};
@@ -44,4 +45,5 @@ pub use statistics::Histogram;
 pub use thickness::thick_dims;
 pub use volume::Volume;
 pub use words::{ConversionReport, NonFiniteRule, VoxelWords, WordConversion, WordRounding};
+pub use world::{AxisOrder, LeftOver, Ordering, Space, World, letter};
 pub use write::{NrrdEncoding, write, write_nrrd, write_raw};
