@@ -15,28 +15,33 @@
 //! bytes whatever make a reader panic.
 
 mod error;
+mod files;
 mod format;
 mod limits;
 mod metaimage;
-mod nifti1;
+mod nifti;
 mod nrrd;
+mod nrrd_axes;
 mod open;
+mod parts;
 mod phantom;
 mod place;
 mod raw;
 mod samples;
+mod source;
 mod statistics;
 mod stream;
 mod text;
 mod thickness;
 mod volume;
 mod words;
+mod world;
 mod write;
 
 pub use error::{NonFinite, VolumeError};
 pub use format::Format;
 pub use limits::ReadOptions;
-pub use open::{read, read_bytes};
+pub use open::{FileInfo, inspect, read, read_bytes};
 pub use phantom::{Phantom, PhantomParams};
 pub use raw::{Endian, RawLayout};
 pub use samples::{Sample, SampleType, Samples};
@@ -44,4 +49,5 @@ pub use statistics::Histogram;
 pub use thickness::thick_dims;
 pub use volume::Volume;
 pub use words::{ConversionReport, NonFiniteRule, VoxelWords, WordConversion, WordRounding};
+pub use world::{AxisOrder, LeftOver, Ordering, Space, World, letter};
 pub use write::{NrrdEncoding, write, write_nrrd, write_raw};

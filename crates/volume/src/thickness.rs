@@ -27,8 +27,10 @@ impl Volume {
             };
             Sample::wrap((0..dims.iter().product()).map(voxel).collect())
         });
-        let origin = [0, 1, 2].map(|i| self.origin[i] - if self.dims[i] == 1 { self.spacing[i] / 2.0 } else { 0.0 });
-        Cow::Owned(Volume { dims, spacing: self.spacing, origin, samples })
+        let half = [0, 1, 2].map(|i| if self.dims[i] == 1 { -self.spacing[i] / 2.0 } else { 0.0 });
+        let moved = self.world.direction_of(half);
+        let origin = [0, 1, 2].map(|i| self.origin[i] + moved[i]);
+        Cow::Owned(Volume { dims, origin, samples, ..*self })
     }
 }
 

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::error::show_dims;
-use crate::{Sample, SampleType, Samples, VolumeError, with_samples};
+use crate::{Sample, SampleType, Samples, VolumeError, World, with_samples};
 
 /// A regular grid of samples. Voxel centres are at integer grid coordinates.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,22 +13,23 @@ pub struct Volume {
     /// Distance between neighbouring voxel centres along x, y and z, in the file's unit (often
     /// mm); positive and finite.
     pub spacing: [f64; 3],
-    /// Position of voxel (0, 0, 0) in the file's world coordinates; finite. The directions of the
-    /// axes in the world are not kept.
+    /// Position of voxel (0, 0, 0) in world coordinates; finite.
     pub origin: [f64; 3],
+    /// What world coordinates mean, and how the axes run in them.
+    pub world: World,
     /// The samples, x fastest, then y, then z; as many as the product of `dims`.
     pub samples: Samples,
 }
 
 impl Volume {
-    /// A volume of checked parts, with its origin at (0, 0, 0).
+    /// A volume of checked parts, with its origin at (0, 0, 0) and its axes along those of an unknown world.
     ///
     /// # Errors
     ///
     /// [`VolumeError::Grid`] when a dimension is 0, their product overflows or is not the number
     /// of samples, or a spacing is not positive and finite.
     pub fn new(dims: [usize; 3], spacing: [f64; 3], samples: Samples) -> Result<Self, VolumeError> {
-        Self { dims, spacing, origin: [0.0; 3], samples }.checked()
+        Self { dims, spacing, origin: [0.0; 3], world: World::default(), samples }.checked()
     }
 
     /// The same volume at another origin.
@@ -38,6 +39,22 @@ impl Volume {
     /// [`VolumeError::Grid`] when a coordinate is NaN or infinite.
     pub fn with_origin(self, origin: [f64; 3]) -> Result<Self, VolumeError> {
         Self { origin, ..self }.checked()
+    }
+
+    /// The same voxels elsewhere in the world.
+    ///
+    /// # Errors
+    ///
+    /// [`VolumeError::Grid`] when a coordinate is NaN or infinite, or the directions are no unit vectors.
+    pub fn with_world(self, origin: [f64; 3], world: World) -> Result<Self, VolumeError> {
+        if !world.directions.iter().all(|d| (d.iter().map(|c| c * c).sum::<f64>() - 1.0).abs() < 1e-6) {
+            return Err(VolumeError::Grid {
+                what: "directions",
+                reason: format!("{:?} are no unit vectors", world.directions),
+                remedy: "give a vector of length 1 for each axis",
+            });
+        }
+        Self { origin, world, ..self }.checked()
     }
 
     fn checked(self) -> Result<Self, VolumeError> {
