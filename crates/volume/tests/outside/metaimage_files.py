@@ -5,8 +5,9 @@ import zlib
 
 import numpy
 import SimpleITK as sitk
-import vtk
-from vtk.util.numpy_support import numpy_to_vtk
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkIOImage import vtkMetaImageWriter
 
 from grids import LPS, OBLIQUE, SIGNED_PERMUTATIONS, TILTED, TYPES, Grid, rotation
 from nifti_files import itk_image
@@ -63,12 +64,12 @@ def by_vtk(files):
     for n, dtype in enumerate(["uint8", "int8", "int16", "uint16", "int32", "uint32", "float32", "float64"]):
         for compress in (False, True):
             grid = Grid(n, dtype, turn=LPS)
-            image = vtk.vtkImageData()
+            image = vtkImageData()
             image.SetDimensions(grid.dims)
             image.SetSpacing(*grid.spacing)
             image.SetOrigin(*(LPS @ grid.origin))
             image.GetPointData().SetScalars(numpy_to_vtk(grid.values, deep=True))
-            writer = vtk.vtkMetaImageWriter()
+            writer = vtkMetaImageWriter()
             path = files.path(f"metaimage/vtk_{dtype}_{int(compress)}.{'mha' if n % 2 else 'mhd'}")
             writer.SetFileName(str(path))
             if path.suffix == ".mhd":

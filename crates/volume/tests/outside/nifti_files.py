@@ -7,8 +7,10 @@ import struct
 import nibabel
 import numpy
 import SimpleITK as sitk
-import vtk
-from vtk.util.numpy_support import numpy_to_vtk
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkCommonMath import vtkMatrix4x4
+from vtkmodules.vtkIOImage import vtkNIFTIImageWriter
 
 from grids import LPS, OBLIQUE, SIGNED_PERMUTATIONS, TILTED, TYPES, Grid, rotation
 
@@ -284,18 +286,18 @@ def by_vtk(files):
     for n in range(16):
         turn = SIGNED_PERMUTATIONS[3 * n] if n % 4 else OBLIQUE
         grid = Grid(n, kinds[n % 8], turn=turn, frames=1 + (n == 5))
-        image = vtk.vtkImageData()
+        image = vtkImageData()
         image.SetDimensions(grid.dims)
         image.SetSpacing(*grid.spacing)
         scalars = grid.values.reshape((-1, grid.frames), order="F") if grid.frames > 1 else grid.values
         image.GetPointData().SetScalars(numpy_to_vtk(numpy.ascontiguousarray(scalars), deep=True))
-        form = vtk.vtkMatrix4x4()
+        form = vtkMatrix4x4()
         mirrored = numpy.linalg.det(turn) < 0
         for row in range(3):
             for column in range(3):
                 form.SetElement(row, column, grid.directions[row, column])
             form.SetElement(row, 3, grid.origin[row])
-        writer = vtk.vtkNIFTIImageWriter()
+        writer = vtkNIFTIImageWriter()
         suffix = [".nii", ".nii.gz", ".hdr", ".img.gz"][n % 4]
         path = files.path(f"nifti/vtk_{n:02}{suffix}")
         writer.SetFileName(str(path))

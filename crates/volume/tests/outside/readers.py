@@ -18,14 +18,15 @@ import nibabel
 import nrrd
 import numpy
 import SimpleITK as sitk
-import vtk
-from vtk.util.numpy_support import vtk_to_numpy
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkObject, vtkVersion
+from vtkmodules.vtkIOImage import vtkMetaImageReader, vtkNIFTIImageReader
 
 from grids import LPS
 
 UNU = shutil.which("unu") or shutil.which("teem-unu")
 sitk.ProcessObject.SetGlobalWarningDisplay(False)
-vtk.vtkObject.GlobalWarningDisplayOff()
+vtkObject.GlobalWarningDisplayOff()
 warnings.simplefilter("ignore")
 
 
@@ -36,7 +37,7 @@ def versions():
         "pynrrd": nrrd.__version__,
         "ITK": f"SimpleITK {sitk.Version().VersionString().split('-')[0]}",
         "teem": re.search(r"Teem version ([\d.]+)", about).group(1),
-        "VTK": vtk.vtkVersion.GetVTKVersion(),
+        "VTK": vtkVersion.GetVTKVersion(),
     }
 
 
@@ -92,16 +93,15 @@ def itk_reads(path):
 
 
 def vtk_reads(path):
-    readers = {"nii": vtk.vtkNIFTIImageReader, "hdr": vtk.vtkNIFTIImageReader, "img": vtk.vtkNIFTIImageReader}
-    readers |= {"mha": vtk.vtkMetaImageReader, "mhd": vtk.vtkMetaImageReader}
-    suffix = pathlib.Path(path).name.removesuffix(".gz").split(".")[-1]
-    if suffix in ("mha", "mhd") and re.search(rb"LONG_LONG|NDims = 4", pathlib.Path(path).read_bytes()):
+    nifti = pathlib.Path(path).name.removesuffix(".gz").endswith((".nii", ".hdr", ".img"))
+    # VTK writes beyond its memory, and goes down sooner or later.
+    if not nifti and re.search(rb"LONG_LONG|NDims = 4", pathlib.Path(path).read_bytes()):
         raise ValueError("writes beyond its memory")
-    reader = readers[suffix]()
+    reader = vtkNIFTIImageReader() if nifti else vtkMetaImageReader()
     if not reader.CanReadFile(str(path)):
         raise ValueError("cannot read the file")
     reader.SetFileName(str(path))
-    if suffix in ("nii", "hdr", "img"):
+    if nifti:
         reader.TimeAsVectorOn()
     reader.Update()
     if reader.GetErrorCode():
@@ -112,25 +112,23 @@ def vtk_reads(path):
         raise ValueError("no values")
     values = vtk_to_numpy(scalars)
     frames = values.shape[1] if values.ndim > 1 else 1
-    matrix = numpy.eye(4)
     spacing = image.GetSpacing()
-    if suffix in ("nii", "hdr", "img"):
+    affine = numpy.eye(4)
+    if nifti:
         slope, intercept = reader.GetRescaleSlope(), reader.GetRescaleIntercept()
         if math.isfinite(slope) and slope:
             values = values * slope + intercept
         form = reader.GetSFormMatrix() or reader.GetQFormMatrix()
-        affine = None
         if form is not None:
             affine = numpy.array([[form.GetElement(r, c) for c in range(4)] for r in range(4)])
             affine[:3, :3] *= spacing
+        else:
+            affine = None
     else:
-        direction = numpy.array([[image.GetDirectionMatrix().GetElement(r, c) for c in range(3)] for r in range(3)])
-        matrix[:3, :3] = direction * spacing
-        matrix[:3, 3] = image.GetOrigin()
-        # VTK keeps the file's coordinates: those of MetaImage are LPS.
-        if suffix in ("mha", "mhd"):
-            matrix[:3] = LPS @ matrix[:3]
-        affine = matrix
+        matrix = image.GetDirectionMatrix()
+        affine[:3, :3] = numpy.array([[matrix.GetElement(r, c) for c in range(3)] for r in range(3)]) * spacing
+        affine[:3, 3] = image.GetOrigin()
+        affine[:3] = LPS @ affine[:3]
     return Reading(image.GetDimensions(), frames, spacing, affine, values.ravel(order="F"), None)
 
 

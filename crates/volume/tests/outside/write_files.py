@@ -13,13 +13,11 @@ import importlib.util
 import shutil
 import sys
 
-# In the order of the table in the book.
-MODULES = ["numpy", "nibabel", "SimpleITK", "nrrd", "vtk"]
+MODULES = {"numpy": "numpy", "nibabel": "nibabel", "SimpleITK": "SimpleITK", "nrrd": "pynrrd", "vtkmodules": "vtk"}
 
 
 def missing():
-    found = [name for name in MODULES if importlib.util.find_spec(name) is None]
-    found = ["pynrrd" if name == "nrrd" else name for name in found]
+    found = [package for module, package in MODULES.items() if importlib.util.find_spec(module) is None]
     return found + ([] if shutil.which("unu") or shutil.which("teem-unu") else ["teem-apps (unu)"])
 
 
