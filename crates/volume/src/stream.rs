@@ -328,7 +328,7 @@ impl Job<'_> {
                             + a_at as isize * strides[a]
                             + fast_from as isize * strides[fast];
                         let run = numbers[source..].iter().step_by(sources[fast]).take(length);
-                        let mut put = |(number, sample): (&T, &mut S)| match convert(*number) {
+                        let put = |(number, sample): (&T, &mut S)| match convert(*number) {
                             Some(converted) => {
                                 *sample = converted;
                                 true
