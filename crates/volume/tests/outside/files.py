@@ -97,9 +97,14 @@ class Files:
             told["canonical"] = {"dims": array.shape[:3], "values": [plain(v) for v in array.ravel(order="F")]}
         self.lines.append(told)
 
-    def refuse(self, path, writer, options, word):
-        """Tells of a valid file that cube3 refuses with a message that has `word` in it."""
+    def refuse(self, path, writer, options, word, own=None):
+        """Tells of a file that cube3 refuses with a message that has `word` in it, and that the format's own library reads,
+        unless `own` says why not."""
         told = self._tell(path, writer, options, None)
+        first = next(iter(told["readings"]))
+        failed = [e for e in told["readings"][first] if "numbers for each voxel" not in e]
+        if bool(failed) != (own is not None):
+            self.wrong.append(f"{told['file']}: {options}: {first} says {failed}, own = {own}")
         told["refused"] = word
         self.lines.append(told)
 

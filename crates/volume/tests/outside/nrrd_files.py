@@ -339,7 +339,7 @@ def by_hand(files):
         other = Grid(n + 5, dtype)
         write(f"name_{n}.nrrd", other, f"type: {kind}", basic(other, kind) + placed(other, "LPS"), other.bytes())
     path = files.path("nrrd/block.nrrd")
-    path.write_bytes(b"NRRD0004\ntype: block\nblock size: 3\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n" + bytes(24))
+    path.write_bytes(b"NRRD0004\ntype: block\nblock size: 3\ndimension: 3\nsizes: 2 2 2\nendian: little\nencoding: raw\n\n" + bytes(24))
     files.refuse(path, "by hand", "type: block", "block")
     # Compressed data: lines are skipped before, bytes after they are unpacked.
     packed = gzip.compress(b"1234" + grid.bytes())
