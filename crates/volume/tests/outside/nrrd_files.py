@@ -340,7 +340,7 @@ def by_hand(files):
         write(f"name_{n}.nrrd", other, f"type: {kind}", basic(other, kind) + placed(other, "LPS"), other.bytes())
     path = files.path("nrrd/block.nrrd")
     path.write_bytes(b"NRRD0004\ntype: block\nblock size: 3\ndimension: 3\nsizes: 2 2 2\nendian: little\nencoding: raw\n\n" + bytes(24))
-    files.refuse(path, "by hand", "type: block", "block")
+    files.refuse(path, "by hand", "type: block", "block", "unu save cannot copy it")
     # Compressed data: lines are skipped before, bytes after they are unpacked.
     packed = gzip.compress(b"1234" + grid.bytes())
     for n, (skip, before) in enumerate([(["byte skip: 4"], b""), (["line skip: 1", "byte skip: 4"], b"a line\n")]):
