@@ -130,9 +130,9 @@ pub fn read_options(source: &VolumeSource, options: &ReadOptions) -> ReadOptions
 /// As [`data`], and values that are not finite where `mask` is not set.
 pub fn volume(scene: &Scene, machine: &MachineSpec, options: &ReadOptions, mask: bool) -> Outcome<LoadedVolume> {
     let _waiting = Waiting::new("volume");
-    let mut incoming = data(&scene.volume, options)?;
-    incoming.notes.extend(directions::old_format_note(scene, &incoming.data.world));
-    to_words(incoming, scene.volume.window, machine, mask)
+    let Incoming { source, data, mut notes } = data(&scene.volume, options)?;
+    notes.extend(directions::old_format_note(scene, &data.world));
+    Ok(LoadedVolume { notes, ..to_words(source, data, scene.volume.window, machine, mask)? })
 }
 
 /// Converts data to a machine's voxel words; the window is that of the data where none is given.
@@ -140,12 +140,12 @@ pub fn volume(scene: &Scene, machine: &MachineSpec, options: &ReadOptions, mask:
 /// # Errors
 /// Values that are not finite where `mask` is not set.
 pub fn to_words(
-    incoming: Incoming,
+    source: String,
+    data: Volume,
     window: Option<[f64; 2]>,
     machine: &MachineSpec,
     mask: bool,
 ) -> Outcome<LoadedVolume> {
-    let Incoming { source, data, notes } = incoming;
     let conversion = WordConversion {
         window,
         rounding: match machine.words.rounding {
@@ -169,7 +169,7 @@ pub fn to_words(
     } else {
         data
     };
-    Ok(LoadedVolume { source, single, data, words, conversion, notes })
+    Ok(LoadedVolume { source, single, data, words, conversion, notes: Vec::new() })
 }
 
 /// Refuses what would not fit into memory, before any is taken: pictures, base plane, and the planes between the units. `cycle` is

@@ -15,7 +15,7 @@ use crate::animation::playback_fps;
 use crate::directions;
 use crate::ends_note;
 use crate::fidelity::Timing;
-use crate::inputs::{self, LoadedVolume};
+use crate::inputs::{self, Incoming, LoadedVolume};
 use crate::machine::{Machine, Overflows, RunCounters};
 use crate::notes::Findings;
 use crate::problem::{Outcome, Problem};
@@ -171,7 +171,8 @@ fn load(
     {
         one.phase = Some(source.phase.unwrap_or_default() + phase_per_volume * index as f64);
     }
-    inputs::to_words(inputs::data(&one, options)?, window, machine, mask)
+    let Incoming { source, data, notes } = inputs::data(&one, options)?;
+    Ok(LoadedVolume { notes, ..inputs::to_words(source, data, window, machine, mask)? })
 }
 
 /// A frame of the sequence, as it is made.
