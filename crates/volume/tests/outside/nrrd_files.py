@@ -109,6 +109,16 @@ def by_pynrrd(files):
             kinds = [kind] + ["space"] * 3
             options = f"series of {frames}, first axis, kind {kind}"
             save(f"series_first_{kind}_{n}.nrrd", array, options, grid, kinds=kinds, **about)
+    # A series that no kind and no direction names: the fourth axis.
+    grid = Grid(6, "int16", frames=3).unplaced()
+    save("series_bare.nrrd", grid.array(4), "4 axes, spacings alone", grid, spacings=[*grid.spacing, math.nan])
+    save("series_kinds.nrrd", grid.array(4), "4 axes of kind domain", grid, spacings=[*grid.spacing, 1.0], kinds=["domain"] * 4)
+    array = numpy.asfortranarray(grid.array(4).transpose(3, 0, 1, 2))
+    kinds = ["list"] + ["domain"] * 3
+    save("series_nan.nrrd", array, "first axis of kind list, spacings alone", grid, spacings=[math.nan, *grid.spacing], kinds=kinds)
+    grid = Grid(8, "int16", dims=(7, 4, 1)).unplaced(origin=(3.0, -2.0, 0.0))
+    about = {"space_dimension": 2, "space_directions": numpy.diag(grid.spacing[:2]), "space_origin": grid.origin[:2]}
+    save("plane.nrrd", grid.array(2), "2 axes, space dimension 2", grid, **about)
     for n, space in enumerate(["right-anterior-superior-time", "LPST"]):
         grid = Grid(n + 20, "int16", frames=3)
         matrix, origin = in_space(grid, space)
@@ -177,6 +187,11 @@ def by_teem(files):
     for n, encoding in enumerate(["raw", "gzip", "ascii", "hex"]):
         grid = Grid(n, "int16").unplaced()
         files.add(make(f"teem_plain_{encoding}.nrrd", grid, "int16", encoding), "teem", f"spacings alone, {encoding}", grid)
+    for encoding in ("raw", "ascii", "hex"):
+        grid = Grid(18, "float32")
+        grid.values[[2, 5, 7]] = [math.nan, math.inf, -math.inf]
+        path = make(f"teem_nan_{encoding}.nrrd", grid, "float32", encoding)
+        files.add(path, "teem", f"NaN and infinities, {encoding}", grid)
     path = make("teem_bzip2.nrrd", Grid(1), "int16", "bzip2")
     files.refuse(path, "teem", "bzip2", "bzip2")
 
