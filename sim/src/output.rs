@@ -114,7 +114,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Outcome<()> {
 /// # Errors
 /// A file that cannot be written.
 pub fn write_waveform(path: &Path, waveform: &Waveform) -> Outcome<()> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
     write_whole(path, &waveform.fst)?;
     write_whole(&path.with_extension("gtkw"), waveform.gtkwave(&name).as_bytes())?;
     write_whole(&path.with_extension("sucl"), waveform.surfer().as_bytes())

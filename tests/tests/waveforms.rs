@@ -103,10 +103,11 @@ fn gtkwave_sees_each_line_of_a_mismatch_at_its_time_and_the_values_of_wellen() {
 /// The files for viewers show what the waveform has, in its order, and the formats by name.
 fn shown(waveform: &Waveform) -> Vec<(Shown, Shown)> {
     let waves = Waves::by_wellen(waveform.fst.clone());
-    let (text, commands) = (waveform.gtkwave("a name.fst"), waveform.surfer());
+    let (text, commands) = (waveform.gtkwave("a name"), waveform.surfer());
     let (gtkwave, other) = of_gtkwave(&text);
     let surfer = of_surfer(&commands);
-    assert_eq!(other[..2], ["[dumpfile] \"a name.fst\"", &format!("[timestart] {}", waves.times[0])]);
+    let start = format!("[timestart] {}", waves.times[0]);
+    assert_eq!(other[..3], ["[dumpfile] \"a name.fst\"", "[savefile] \"a name.gtkw\"", &start]);
     let mut names: Vec<(&str, u32)> = gtkwave.iter().map(|(shown, bits)| (shown.name.as_str(), *bits)).collect();
     assert!(surfer.iter().map(|shown| shown.name.as_str()).eq(names.iter().map(|(name, _)| *name)));
     names.sort_unstable();

@@ -2,8 +2,8 @@
 
 use super::{Radix, Variable, Waveform};
 
-/// Pixels that a whole waveform takes in GTKWave at first, about as many as its window has.
-const PIXELS: f64 = 500.0;
+/// Zoom in GTKWave is the binary logarithm of the time on 200 pixels, below 0; its first window has room for so many of those.
+const FRAMES: f64 = 2.25;
 /// Rows of a curve in GTKWave, beside its own.
 const CURVE_ROWS: usize = 2;
 
@@ -68,13 +68,14 @@ impl Waveform {
         groups.map(|group| (group[0].parts().0.last().map_or("", String::as_str), group))
     }
 
-    /// A save file of GTKWave for this waveform in a file of a name, in the same folder.
-    pub fn gtkwave(&self, fst_name: &str) -> String {
+    /// A save file of GTKWave: `name` with `.gtkw` behind it, for this waveform in the same folder as `name` with `.fst`.
+    pub fn gtkwave(&self, name: &str) -> String {
         // GTKWave counts in whole steps of a thousand.
         let units = (self.end - self.start) as f64 * 10_f64.powi(i32::from(self.timescale_exponent).rem_euclid(3));
-        let zoom = -(units / PIXELS).log2();
-        let mut text =
-            format!("[dumpfile] \"{fst_name}\"\n[timestart] {}\n*{zoom:.6} -1{}\n", self.start, " -1".repeat(26));
+        let zoom = -(units / FRAMES).log2();
+        // With both names GTKWave finds the waveform where the save file is, not where it was started.
+        let mut text = format!("[dumpfile] \"{name}.fst\"\n[savefile] \"{name}.gtkw\"\n[timestart] {}\n", self.start);
+        text += &format!("*{zoom:.6} -1{}\n", " -1".repeat(26));
         let mut last = None;
         // Flags hold until the next.
         let mut line = |flags: u32, name: &str| {
