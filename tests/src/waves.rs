@@ -5,15 +5,33 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::Path;
 use std::process::Command;
-use wellen::{SignalRef, TimeTableIdx};
+use wellen::SignalRef;
 
-/// A variable: its width, and its bits at each time of the waveform.
+/// A variable: its width, and its bits from the places of the times on at which they change, unknown before the first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Values {
     /// Width.
     pub bits: u32,
     /// The highest bit first, in small letters.
-    pub at: Vec<String>,
+    pub changes: Vec<(usize, String)>,
+}
+
+impl Values {
+    /// The bits at a place of the times; none for unknown ones before the first change.
+    pub fn at(&self, place: usize) -> Option<&str> {
+        let count = self.changes.partition_point(|(from, _)| *from <= place);
+        self.changes[..count].last().map(|(_, value)| value.as_str())
+    }
+
+    fn change(&mut self, place: usize, value: &str) {
+        let value = value.to_lowercase();
+        match self.changes.last_mut() {
+            Some((_, last)) if *last == value => {}
+            Some((from, last)) if *from == place => *last = value,
+            None if value.bytes().all(|letter| letter == b'x') => {}
+            _ => self.changes.push((place, value)),
+        }
+    }
 }
 
 /// A waveform that has been read.
@@ -44,12 +62,11 @@ impl Waves {
         wave.load_signals(&found.iter().map(|(_, _, signal)| *signal).collect::<Vec<_>>());
         let times: Vec<i64> = wave.time_table().iter().map(|&time| time as i64).collect();
         let variables = found.into_iter().map(|(name, bits, signal)| {
-            let signal = wave.get_signal(signal).unwrap();
-            let value = |place| match signal.get_offset(place as TimeTableIdx) {
-                Some(offset) => signal.get_value_at(&offset, 0).to_string().to_lowercase(),
-                None => "x".repeat(bits as usize),
-            };
-            (name, Values { bits, at: (0..times.len()).map(value).collect() })
+            let mut values = Values { bits, changes: Vec::new() };
+            for (place, value) in wave.get_signal(signal).unwrap().iter_changes() {
+                values.change(place as usize, &value.to_string());
+            }
+            (name, values)
         });
         let unit = (i32::from(timescale.unit.to_exponent().unwrap()), timescale.factor);
         Waves { unit, variables: variables.collect(), times }
@@ -83,15 +100,10 @@ impl Waves {
                     let bits: u32 = words.nth(1).unwrap().parse().unwrap();
                     let id = words.next().unwrap();
                     let name = format!("{}.{}", scopes.join("."), words.next().unwrap());
-                    variables.insert(name.clone(), Values { bits, at: Vec::new() });
-                    assert!(names.insert(id, (name, "x".repeat(bits as usize))).is_none(), "{id}");
+                    variables.insert(name.clone(), Values { bits, changes: Vec::new() });
+                    assert!(names.insert(id, name).is_none(), "{id}");
                 }
-                _ if word.starts_with('#') => {
-                    if !times.is_empty() {
-                        push(&mut variables, &names);
-                    }
-                    times.push(word[1..].parse::<i64>().unwrap() + zero);
-                }
+                _ if word.starts_with('#') => times.push(word[1..].parse::<i64>().unwrap() + zero),
                 _ if word.starts_with(['b', '0', '1', 'x']) => {
                     // What comes before the first time is of time 0.
                     if times.is_empty() {
@@ -101,26 +113,25 @@ impl Waves {
                         Some(value) => (value, words.next().unwrap()),
                         None => word.split_at(1),
                     };
-                    names.get_mut(id).unwrap().1 = value.to_lowercase();
+                    variables.get_mut(&names[id]).unwrap().change(times.len() - 1, value);
                 }
                 _ => {}
             }
         }
-        push(&mut variables, &names);
         Waves { unit: unit.unwrap(), times, variables }
     }
 
     /// The bits of a variable at a place of the times.
     ///
     /// # Panics
-    /// Where it is not in the waveform.
+    /// Where it is not in the waveform, or has had no value yet.
     pub fn bits(&self, name: &str, place: usize) -> &str {
-        &self.variables[name].at[place]
+        self.variables[name].at(place).unwrap()
     }
 
     /// A word, or none where its bits are unknown.
     pub fn word(&self, name: &str, place: usize) -> Option<u64> {
-        u64::from_str_radix(self.bits(name, place), 2).ok()
+        u64::from_str_radix(self.variables[name].at(place)?, 2).ok()
     }
 
     /// The letters of a variable of eight bits each, without blanks around them.
@@ -141,12 +152,6 @@ impl Waves {
     /// The seconds of a time unit.
     pub fn unit_seconds(&self) -> f64 {
         f64::from(self.unit.1) * 10_f64.powi(self.unit.0)
-    }
-}
-
-fn push(variables: &mut BTreeMap<String, Values>, now: &BTreeMap<&str, (String, String)>) {
-    for (name, value) in now.values() {
-        variables.get_mut(name).unwrap().at.push(value.clone());
     }
 }
 
