@@ -7,7 +7,7 @@
 //!
 //! ```text
 //!   file ──► read ──► Volume ──► to_words ──► VoxelWords ──► cubic frame buffer
-//!   Phantom::generate ──┘  └──► write ──► file
+//!   Phantom::generate ──┘  └──► write ──► file          resample: Volume ──► Volume on another grid
 //! ```
 //!
 //! Files are read under three rules: no header is believed before it is checked against the bytes
@@ -24,6 +24,7 @@ mod open;
 mod phantom;
 mod place;
 mod raw;
+mod resample;
 mod samples;
 mod statistics;
 mod stream;
@@ -40,10 +41,11 @@ pub use limits::ReadOptions;
 pub use open::{read, read_bytes};
 pub use phantom::{Phantom, PhantomParams};
 pub use raw::{Endian, RawLayout};
+pub use resample::{Filter, NewGrid, ResampleReport, Resampling, resample};
 pub use samples::{Sample, SampleType, Samples};
 pub use statistics::Histogram;
 pub use thickness::thick_dims;
 pub use volume::Volume;
 pub use words::{ConversionReport, NonFiniteRule, VoxelWords, WordConversion, WordRounding};
 pub use world::{AxisOrder, LeftOver, Ordering, Space, World, letter};
-pub use write::{NrrdEncoding, write, write_nrrd, write_raw};
+pub use write::{Packing, write, write_packed, write_raw};
