@@ -84,12 +84,10 @@ fn a_refused_write_leaves_the_old_file_and_no_other() {
 #[test]
 fn names_of_two_files_are_refused_with_the_one_that_is_written() {
     let folder = tempfile::tempdir().unwrap();
-    for (name, instead) in
-        [("v.nhdr", ".nrrd"), ("v.mhd", ".mha"), ("v.hdr", ".nii"), ("v.img", ".nii"), ("v", ".nii.gz")]
-    {
+    let names = [("v.nhdr", ".nrrd"), ("v.mhd", ".mha"), ("v.hdr", ".nii or .nii.gz"), ("v.img", ".nii or .nii.gz")];
+    for (name, instead) in names {
         let error = write(folder.path().join(name), &volume(SampleType::U8)).unwrap_err().to_string();
-        assert!(error.contains(name) && error.contains(&format!("ends in {instead}")) || name == "v", "{error}");
-        assert!(error.contains(instead), "{error}");
+        assert!(error.contains(name) && error.ends_with(&format!("give a name that ends in {instead}")), "{error}");
     }
     let error = write_packed(folder.path().join("v.nii.gz"), &volume(SampleType::U8), Packing::Plain).unwrap_err();
     assert!(error.to_string().ends_with("give a name that ends in .nii"), "{error}");
@@ -225,8 +223,8 @@ fn the_header_of_a_nifti_to_the_byte() {
     put(123, &[2]);
     put(252, &1i16.to_le_bytes());
     put(254, &1i16.to_le_bytes());
-    // A third of a turn: (1, -1, -1)/2 with the third axis turned round.
-    for (field, number) in [0.5f32, 0.5, -0.5, -1.5, 20.0, 0.0].into_iter().enumerate() {
+    // A third of a turn: (1, −1, −1)/2 with the third axis turned round.
+    for (field, number) in [0.5f32, -0.5, -0.5, -1.5, 20.0, 0.0].into_iter().enumerate() {
         put(256 + 4 * field, &number.to_le_bytes());
     }
     let rows = [[0f32, 0.0, 1.0, -1.5], [-0.1, 0.0, 0.0, 20.0], [0.0, 2.5, 0.0, 0.0]];
