@@ -71,6 +71,19 @@ pub enum VolumeError {
         /// "bytes" or "numbers".
         unit: &'static str,
     },
+    /// A compressed file that is too short for what the header promises, however well it is compressed.
+    #[error(
+        "{file}: voxel data: the header promises {promised} bytes, and a compressed file of this length holds {most} at \
+         most; the file is cut short or the header's sizes are wrong"
+    )]
+    CannotHold {
+        /// The file that holds the voxels.
+        file: String,
+        /// How many bytes the header promises.
+        promised: u64,
+        /// How many can be there.
+        most: u64,
+    },
     /// A bare raw file whose length is not that of the layout given.
     #[error(
         "{file}: the layout ({layout}) needs {needed} bytes, the file holds {found}; \
@@ -135,8 +148,8 @@ pub enum VolumeError {
     },
     /// The format of a file is not one of those known.
     #[error(
-        "{file}: unknown volume format; known are .nrrd, .nhdr, .nii, .nii.gz, .mhd, .mha, and .raw \
-         with a layout"
+        "{file}: unknown volume format; known are .nrrd, .nhdr, .nii, .hdr with .img, .mhd, .mha, all of them gzipped too, \
+         and .raw with a layout"
     )]
     UnknownFormat {
         /// The file, as given.

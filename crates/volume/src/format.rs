@@ -11,7 +11,7 @@ use crate::VolumeError;
 pub enum Format {
     /// Nearly raw raster data, `.nrrd`, or `.nhdr` with a data file.
     Nrrd,
-    /// NIfTI-1, `.nii` or `.nii.gz`.
+    /// NIfTI-1 and NIfTI-2, `.nii`, or `.hdr` with `.img`; Analyze 7.5.
     Nifti,
     /// MetaImage, `.mha`, or `.mhd` with a data file.
     MetaImage,
@@ -20,27 +20,27 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format that a file's name stands for.
+    /// The format that a file's name stands for, with or without a `.gz` at its end.
     pub fn of_path(path: &Path) -> Option<Format> {
         let name = path.file_name()?.to_string_lossy().to_lowercase();
-        let ends = |end: &str| name.ends_with(end);
-        match () {
-            _ if ends(".nrrd") || ends(".nhdr") => Some(Format::Nrrd),
-            _ if ends(".nii") || ends(".nii.gz") => Some(Format::Nifti),
-            _ if ends(".mha") || ends(".mhd") => Some(Format::MetaImage),
-            _ if ends(".raw") || ends(".bin") => Some(Format::Raw),
+        let name = name.strip_suffix(".gz").unwrap_or(&name);
+        match name.rsplit_once('.')?.1 {
+            "nrrd" | "nhdr" => Some(Format::Nrrd),
+            "nii" | "hdr" | "img" => Some(Format::Nifti),
+            "mha" | "mhd" => Some(Format::MetaImage),
+            "raw" | "bin" => Some(Format::Raw),
             _ => None,
         }
     }
 
-    /// The format that a file's first bytes (about 400) stand for. Raw numbers cannot be told.
+    /// The format that a file's first bytes (about 400) stand for, unpacked if it is gzipped. Raw numbers cannot be told.
     pub fn of_content(head: &[u8]) -> Option<Format> {
         if head.starts_with(b"NRRD00") {
             return Some(Format::Nrrd);
         }
-        let magic = head.get(344..348);
-        let nifti = magic == Some(b"n+1\0") || magic == Some(b"ni1\0");
-        if nifti || head.starts_with(&[0x1f, 0x8b]) {
+        if [b"n+1\0", b"ni1\0"].into_iter().any(|magic| head.get(344..348) == Some(magic))
+            || [b"n+2\0", b"ni2\0"].into_iter().any(|magic| head.get(4..8) == Some(magic))
+        {
             return Some(Format::Nifti);
         }
         let text = String::from_utf8_lossy(head);

@@ -15,17 +15,21 @@
 //! bytes whatever make a reader panic.
 
 mod error;
+mod files;
 mod format;
 mod limits;
 mod metaimage;
-mod nifti1;
+mod nifti;
 mod nrrd;
+mod nrrd_axes;
 mod open;
+mod parts;
 mod phantom;
 mod place;
 mod raw;
 mod resample;
 mod samples;
+mod source;
 mod statistics;
 mod stream;
 mod text;
@@ -38,7 +42,7 @@ mod write;
 pub use error::{NonFinite, VolumeError};
 pub use format::Format;
 pub use limits::ReadOptions;
-pub use open::{read, read_bytes};
+pub use open::{FileInfo, inspect, read, read_bytes};
 pub use phantom::{Phantom, PhantomParams};
 pub use raw::{Endian, RawLayout};
 pub use resample::{Filter, NewGrid, ResampleReport, Resampling, resample};

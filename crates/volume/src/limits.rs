@@ -1,7 +1,7 @@
 //! How much memory a volume may take, checked before it is taken.
 
 use crate::error::show_dims;
-use crate::{RawLayout, SampleType, VolumeError};
+use crate::{Ordering, RawLayout, SampleType, VolumeError};
 
 /// Allowed where the system does not say how much memory it has: 16 GiB.
 const FALLBACK_LIMIT_BYTES: u64 = 16 << 30;
@@ -14,6 +14,8 @@ pub struct ReadOptions {
     pub memory_limit_bytes: Option<u64>,
     /// Which volume to take, from 0, of a file that holds a series (a fourth axis).
     pub frame: usize,
+    /// How the grid's axes run.
+    pub ordering: Ordering,
     /// What a bare raw file holds. Other formats say so themselves and ignore it.
     pub raw: Option<RawLayout>,
 }
@@ -63,12 +65,18 @@ pub(crate) fn reserve<T>(
     file: &str,
 ) -> Result<Vec<T>, VolumeError> {
     let mut samples = Vec::new();
-    samples.try_reserve_exact(count).map_err(|_| VolumeError::TooLarge {
+    let needed = (count as u64).saturating_mul(size_of::<T>() as u64);
+    samples.try_reserve_exact(count).map_err(|_| no_room(file, dims, sample_type, needed))?;
+    Ok(samples)
+}
+
+/// The error of a system that has less memory than it said.
+pub(crate) fn no_room(file: &str, dims: [usize; 3], sample_type: SampleType, needed: u64) -> VolumeError {
+    VolumeError::TooLarge {
         file: file.to_owned(),
         dims: show_dims(&dims),
         sample_type,
-        needed: (count as u64).saturating_mul(size_of::<T>() as u64).to_string(),
+        needed: needed.to_string(),
         limit: available_memory().unwrap_or(0),
-    })?;
-    Ok(samples)
+    }
 }

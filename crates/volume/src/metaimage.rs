@@ -1,16 +1,21 @@
 //! MetaImage, the format of ITK: `.mha` with the voxels behind the header, `.mhd` with a data file.
 //!
-//! <https://itk.org/Wiki/ITK/MetaIO/Documentation>. Spacing is `ElementSpacing`; the directions of the
-//! axes are not kept. A fourth axis is a series of volumes.
+//! <https://itk.org/Wiki/ITK/MetaIO/Documentation>. World coordinates run to the left, back and up; `TransformMatrix` has the
+//! direction of the first axis, then of the second, then of the third. Where it is missing nothing is known: the document's
+//! meaning of `AnatomicalOrientation` is the opposite of what its writers mean, and its readers pass over it. A fourth axis is a series of volumes.
 
-use crate::place::{Place, Source};
-use crate::stream::{Encoding, Layout, Skip, StoredType};
+use crate::files::{listed, several};
+use crate::open::Described;
+use crate::parts::Data;
+use crate::place::Place;
+use crate::source::Source;
+use crate::stream::{Encoding, Layout, Series, Skip, StoredType};
 use crate::text::{Field, HeaderLines, clip};
-use crate::volume::check_grid;
-use crate::{ReadOptions, SampleType, Volume, VolumeError};
+use crate::world::{Placed, Space};
+use crate::{SampleType, VolumeError};
 
 /// Each key's names: the first is the usual one, the others are synonyms.
-const KEYS: [&[&str]; 13] = [
+const KEYS: [&[&str]; 14] = [
     &["ObjectType"],
     &["NDims"],
     &["DimSize"],
@@ -18,6 +23,7 @@ const KEYS: [&[&str]; 13] = [
     &["ElementSpacing"],
     &["ElementSize"],
     &["Offset", "Position", "Origin"],
+    &["TransformMatrix", "Rotation", "Orientation"],
     &["BinaryData"],
     &["BinaryDataByteOrderMSB", "ElementByteOrderMSB"],
     &["CompressedData"],
@@ -29,13 +35,15 @@ const KEYS: [&[&str]; 13] = [
 struct Header {
     keys: Vec<(&'static str, usize, String)>,
     lines: usize,
+    /// The data files of a list.
+    list: Vec<String>,
 }
 
 impl Header {
     /// Reads up to and with `ElementDataFile`, the last line of the header.
-    fn parse(source: &mut dyn Source, place: &Place) -> Result<Header, VolumeError> {
+    fn parse(source: &mut Source, place: &Place) -> Result<Header, VolumeError> {
         let mut lines = HeaderLines::new(source, place);
-        let mut header = Header { keys: Vec::new(), lines: 0 };
+        let mut header = Header { keys: Vec::new(), lines: 0, list: Vec::new() };
         while let Some(line) = lines.next()? {
             if line.trim().is_empty() {
                 continue;
@@ -54,7 +62,11 @@ impl Header {
                 header.keys.push((names[0], lines.line, value.trim().to_owned()));
             }
             if names[0] == "ElementDataFile" {
-                break;
+                header.lines = lines.line;
+                if value.split_whitespace().next() == Some("LIST") {
+                    header.list = listed(&mut lines)?;
+                }
+                return Ok(header);
             }
         }
         header.lines = lines.line;
@@ -86,9 +98,9 @@ impl Header {
     }
 }
 
-/// Reads a MetaImage from its first byte.
-pub(crate) fn read(source: &mut dyn Source, options: &ReadOptions, place: &Place) -> Result<Volume, VolumeError> {
-    let header = Header::parse(source, place)?;
+/// Reads the header from its first byte.
+pub(crate) fn describe<'a>(mut source: Source<'a>, place: &Place) -> Result<Described<'a>, VolumeError> {
+    let header = Header::parse(&mut source, place)?;
     if let Some(field) = header.find("ObjectType", place)
         && !field.value.eq_ignore_ascii_case("image")
     {
@@ -96,47 +108,89 @@ pub(crate) fn read(source: &mut dyn Source, options: &ReadOptions, place: &Place
     }
     let axes = header.need("NDims", place)?;
     let count: usize = axes.number("give the number of axes")?;
-    if !(1..=4).contains(&count) {
+    if !(1..=10).contains(&count) {
+        return Err(axes.unsupported(format!("a grid of {count} axes"), "give a volume of 1 to 10 axes"));
+    }
+    let sizes = header.need("DimSize", place)?.sizes(count)?;
+    if sizes.iter().skip(4).any(|&size| size > 1) {
         return Err(axes.unsupported(
             format!("a grid of {count} axes"),
             "give a volume of 1 to 3 axes, or a series of volumes with 4",
         ));
     }
-    let sizes = header.need("DimSize", place)?.sizes(count)?;
     let dims = [0, 1, 2].map(|a| sizes.get(a).copied().unwrap_or(1));
-    let frames = sizes.get(3).copied().unwrap_or(1) as u64;
+    let volumes = sizes.get(3).copied().unwrap_or(1) as u64;
     if let Some(field) = header.find("ElementNumberOfChannels", place) {
         let channels: u64 = field.number("give the numbers of a voxel")?;
         if channels != 1 {
-            return Err(
-                field.unsupported(format!("{channels} numbers for each voxel"), "store one number for each voxel")
-            );
+            let place_of = format!("line {}, 'ElementNumberOfChannels'", field.line);
+            return Err(place.several(place_of, Some(channels), "vector or colour"));
         }
     }
-    let spacing_field = header.find("ElementSpacing", place).or(header.find("ElementSize", place));
-    let spacing = numbers(spacing_field, count, 1.0)?;
-    let origin = numbers(header.find("Offset", place), count, 0.0)?;
-    check_grid(dims, spacing, origin).map_err(|e| place.grid(e))?;
-
+    let mut remarks = Vec::new();
+    let placed = placed(&header, dims, count, place, &mut remarks)?;
+    let stored = stored_type(&header.need("ElementType", place)?, place)?;
     let data_file = header.need("ElementDataFile", place)?;
-    let local = data_file.value.eq_ignore_ascii_case("local");
-    check_data_file(&data_file)?;
-    let mut beside = if local { None } else { Some(place.open_beside(data_file.value)?) };
-    let (data, data_place): (&mut dyn Source, &Place) = match &mut beside {
-        Some((file, data_place)) => (file, data_place),
-        None => (source, place),
+    if data_file.value.is_empty() {
+        return Err(data_file.wrong("no name", "give LOCAL or the data file's name"));
+    }
+    let data = if data_file.value.eq_ignore_ascii_case("local") {
+        Data::Here(source)
+    } else {
+        let files = match several(&data_file, &header.list, &sizes, place)? {
+            Some(files) => files,
+            None => vec![place.beside(data_file.value)?],
+        };
+        Data::Beside { files, unpack: false }
     };
     let layout = Layout {
         dims,
-        stored: stored_type(&header.need("ElementType", place)?)?,
+        stored,
         big_endian: header.flag("BinaryDataByteOrderMSB", false, place)?,
-        encoding: encoding(&header, data, place)?,
+        encoding: encoding(&header, place)?,
+        lines: 0,
         skip: skip(&header, place)?,
-        frames,
+        series: Series::After(volumes),
         scale: None,
+        last: false,
     };
-    let samples = layout.read(data, options, data_place)?;
-    Volume::new(dims, spacing, samples)?.with_origin(origin)
+    Ok(Described { layout, placed, data, remarks })
+}
+
+/// Where the grid lies: in ITK's world, or not known.
+fn placed(
+    header: &Header,
+    dims: [usize; 3],
+    count: usize,
+    place: &Place,
+    remarks: &mut Vec<String>,
+) -> Result<Placed, VolumeError> {
+    let spacing = header.find("ElementSpacing", place).or(header.find("ElementSize", place));
+    let mut spacing = numbers(spacing, count, 1.0)?;
+    for (axis, s) in spacing.iter_mut().enumerate() {
+        if s.is_nan() || (*s == 0.0 && dims[axis] == 1) {
+            remarks.push(format!("the spacing of axis {axis} is {s}: it is taken as 1"));
+            *s = 1.0;
+        }
+    }
+    let origin = numbers(header.find("Offset", place), count, 0.0)?;
+    let Some(field) = header.find("TransformMatrix", place) else {
+        return Ok(Placed::unknown(spacing, origin));
+    };
+    let matrix: Vec<f64> = field.numbers(None, "give one number for each pair of axes")?;
+    if matrix.len() != count * count {
+        let reason = format!("{} numbers for {count} axes", matrix.len());
+        return Err(field.wrong(reason, "give one number for each pair of axes"));
+    }
+    // To the left and back, which is against the right and the front.
+    let ras = |[x, y, z]: [f64; 3]| [-x, -y, z];
+    let steps = [0, 1, 2].map(|axis| {
+        let sign = 1f64.copysign(spacing[axis]);
+        let row = [0, 1, 2].map(|c| if c < count && axis < count { sign * matrix[axis * count + c] } else { 0.0 });
+        (axis < count).then(|| ras(row))
+    });
+    Placed::steps(Space::Patient, steps, spacing.map(f64::abs), ras(origin))
+        .map_err(|reason| field.wrong(reason, "give the directions of the axes, one after another"))
 }
 
 /// The first three of the numbers that a key gives, one for each axis.
@@ -151,19 +205,7 @@ fn numbers(field: Option<Field>, count: usize, default: f64) -> Result<[f64; 3],
     Ok(first)
 }
 
-/// Refuses voxels that lie in several files.
-fn check_data_file(field: &Field) -> Result<(), VolumeError> {
-    let first = field.value.split_whitespace().next().unwrap_or_default();
-    if first.is_empty() {
-        return Err(field.wrong("no name", "give LOCAL or the data file's name"));
-    }
-    if first == "LIST" || first.contains('%') {
-        return Err(field.unsupported("a volume in several data files", "join them to one file"));
-    }
-    Ok(())
-}
-
-fn stored_type(field: &Field) -> Result<StoredType, VolumeError> {
+fn stored_type(field: &Field, place: &Place) -> Result<StoredType, VolumeError> {
     use SampleType::*;
     Ok(match field.value {
         "MET_CHAR" => StoredType::Plain(I8),
@@ -177,6 +219,9 @@ fn stored_type(field: &Field) -> Result<StoredType, VolumeError> {
         "MET_ULONG_LONG" => StoredType::U64,
         "MET_FLOAT" => StoredType::Plain(F32),
         "MET_DOUBLE" => StoredType::Plain(F64),
+        other if other.ends_with("_ARRAY") || other.ends_with("_MATRIX") => {
+            return Err(place.several(format!("line {}, 'ElementType'", field.line), None, &clip(other)));
+        }
         other => {
             return Err(
                 field.unsupported(format!("the type '{}'", clip(other)), "write MET_UCHAR, MET_SHORT, … MET_DOUBLE")
@@ -186,16 +231,12 @@ fn stored_type(field: &Field) -> Result<StoredType, VolumeError> {
 }
 
 /// How the voxels are written. Compressed voxels are zlib, or gzip where the data say so.
-fn encoding(header: &Header, data: &mut dyn Source, place: &Place) -> Result<Encoding, VolumeError> {
-    let compressed = header.flag("CompressedData", false, place)?;
-    if !header.flag("BinaryData", true, place)? {
-        return Ok(Encoding::Text);
-    }
-    if !compressed {
-        return Ok(Encoding::Raw);
-    }
-    let head = data.fill_buf().map_err(|e| place.io("read", e))?;
-    Ok(if head.starts_with(&[0x1f, 0x8b]) { Encoding::Gzip } else { Encoding::Zlib })
+fn encoding(header: &Header, place: &Place) -> Result<Encoding, VolumeError> {
+    Ok(match (header.flag("BinaryData", true, place)?, header.flag("CompressedData", false, place)?) {
+        (false, _) => Encoding::Text,
+        (true, false) => Encoding::Raw,
+        (true, true) => Encoding::Zlib,
+    })
 }
 
 fn skip(header: &Header, place: &Place) -> Result<Skip, VolumeError> {

@@ -1,32 +1,27 @@
 //! Which file is being read, so that every error can say so.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, Seek};
 use std::path::{Path, PathBuf};
 
 use crate::VolumeError;
+use crate::source::Source;
 
-/// Bytes that can be read line by line and searched: a file, or bytes in memory.
-pub(crate) trait Source: BufRead + Seek {}
-
-impl<R: BufRead + Seek> Source for R {}
-
-/// A file's name for messages, and the folder that the names in its header are relative to.
+/// A file's name for messages, and where it is: names in its header are relative to its folder.
 #[derive(Clone, Debug)]
 pub(crate) struct Place {
     pub file: String,
-    folder: Option<PathBuf>,
+    path: Option<PathBuf>,
 }
 
 impl Place {
     /// The place of a file.
     pub fn of_path(path: &Path) -> Self {
-        Self { file: path.display().to_string(), folder: Some(path.parent().unwrap_or(Path::new("")).to_owned()) }
+        Self { file: path.display().to_string(), path: Some(path.to_owned()) }
     }
 
     /// The place of bytes in memory; there are no files beside them.
     pub fn of_bytes(name: &str) -> Self {
-        Self { file: name.to_owned(), folder: None }
+        Self { file: name.to_owned(), path: None }
     }
 
     /// A header error here.
@@ -54,8 +49,12 @@ impl Place {
         }
     }
 
-    /// An error of the operating system here.
+    /// An error of the operating system here, or of a decoder: what cannot be unpacked is damaged.
     pub fn io(&self, action: &'static str, source: std::io::Error) -> VolumeError {
+        use std::io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof};
+        if action == "read" && matches!(source.kind(), InvalidData | InvalidInput | UnexpectedEof) {
+            return VolumeError::Inflate { file: self.file.clone(), reason: source.to_string() };
+        }
         VolumeError::Io { file: self.file.clone(), action, source }
     }
 
@@ -67,23 +66,34 @@ impl Place {
         }
     }
 
-    /// Opens the file that holds the voxels of this header.
-    pub fn open_beside(&self, name: &str) -> Result<(BufReader<File>, Place), VolumeError> {
-        let Some(folder) = &self.folder else {
-            return Err(self.unsupported(
+    /// What a voxel of more than one number is told, in every format.
+    pub fn several(&self, place: impl Into<String>, numbers: Option<u64>, kind: &str) -> VolumeError {
+        let what = match numbers {
+            Some(numbers) => format!("a voxel of {numbers} numbers ({kind})"),
+            None => format!("a voxel of several numbers ({kind})"),
+        };
+        self.unsupported(place, what, "store one number for each voxel, such as one of the components")
+    }
+
+    /// The path of the file itself; bytes in memory have none.
+    pub fn path(&self) -> Option<&Path> {
+        self.path.as_deref()
+    }
+
+    /// The path of a file that the header names.
+    pub fn beside(&self, name: &str) -> Result<PathBuf, VolumeError> {
+        self.path.as_ref().map(|path| path.with_file_name(name)).ok_or_else(|| {
+            self.unsupported(
                 "data file",
                 format!("a data file ('{name}') beside bytes in memory"),
                 "read the header from a file",
-            ));
-        };
-        let path = folder.join(name);
-        let place = Place::of_path(&path);
-        Ok((open(&path)?, place))
+            )
+        })
     }
 }
 
-/// Opens a file for reading; a folder is an error here already.
-pub(crate) fn open(path: &Path) -> Result<BufReader<File>, VolumeError> {
+/// Opens a file for reading; a folder is an error here already. With `unpack` a file that is gzipped as a whole is unpacked.
+pub(crate) fn open(path: &Path, unpack: bool) -> Result<(Source<'static>, Place), VolumeError> {
     let place = Place::of_path(path);
     let file = File::open(path).map_err(|e| place.io("open", e))?;
     let about = file.metadata().map_err(|e| place.io("open", e))?;
@@ -91,5 +101,6 @@ pub(crate) fn open(path: &Path) -> Result<BufReader<File>, VolumeError> {
         let reason = std::io::Error::other("it is not a file");
         return Err(place.io("open", reason));
     }
-    Ok(BufReader::with_capacity(1 << 18, file))
+    let source = Source::of_file(file, unpack).map_err(|e| place.io("read", e))?;
+    Ok((source, place))
 }

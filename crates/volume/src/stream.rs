@@ -1,21 +1,28 @@
-//! Voxel numbers from a stream of bytes into typed memory, never two copies at once.
+//! Voxel numbers from a stream of bytes into typed memory, in the order of the grid.
 //!
-//! Memory follows the bytes that have really come: where the file's length is known (raw encoding)
-//! the header is compared with it first and the whole is reserved at once; from a compressed stream
-//! or text the vector grows as numbers come out.
+//! ```text
+//!   data files ──► Parts: skip, unpack, numbers ──► blocks of a few MB ──► convert, turn axes ──► samples
+//!                  (a thread of its own)
+//! ```
+//!
+//! Before anything is taken the header is held against the file's length, or what a compressed file of that length can unpack to
+//! at most. Beside the samples there are two blocks, so that unpacking never waits for the axes to be turned.
 
-use std::io::{BufRead, ErrorKind, Read, SeekFrom};
+use std::sync::mpsc::{channel, sync_channel};
 
-use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
+use bytemuck::allocation::try_zeroed_vec;
 
-use crate::limits::{reserve, sample_count};
-use crate::place::{Place, Source};
+use crate::limits::{no_room, sample_count};
+use crate::parts::{Data, Parts};
+use crate::place::Place;
 use crate::samples::Stored;
-use crate::text::{Numbers, clip};
+use crate::world::AxisOrder;
 use crate::{ReadOptions, Sample, SampleType, Samples, VolumeError};
 
-/// Bytes read in one go.
-const CHUNK_BYTES: usize = 1 << 20;
+/// Bytes of a block.
+const BLOCK_BYTES: usize = 4 << 20;
+/// Side of the tiles in which axes are turned: what is read and written for one stays in the first cache.
+const TILE: usize = 64;
 
 /// The number type in a file: one of the eight, or a 64-bit integer, which is kept in 32 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,10 +47,13 @@ pub(crate) enum Encoding {
     Raw,
     Gzip,
     Zlib,
+    /// Decimal numbers.
     Text,
+    /// Bytes as two hexadecimal digits each.
+    Hex,
 }
 
-/// What lies before the first number, in bytes of the decoded stream.
+/// What lies before the first number of a file, in bytes of the decoded stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Skip {
     Bytes(u64),
@@ -51,18 +61,39 @@ pub(crate) enum Skip {
     ToEnd,
 }
 
+/// How the volumes of a series lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Series {
+    /// So many, one after another; 1 is no series.
+    After(u64),
+    /// So many, voxel by voxel: the series is the fastest axis.
+    Within(u64),
+}
+
+impl Series {
+    pub fn count(self) -> u64 {
+        match self {
+            Series::After(count) | Series::Within(count) => count,
+        }
+    }
+}
+
 /// Where the voxel numbers lie and how they are written.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
+    /// Voxels along the stored axes, fastest first.
     pub dims: [usize; 3],
     pub stored: StoredType,
     pub big_endian: bool,
     pub encoding: Encoding,
+    /// Lines before the bytes to skip, of each file.
+    pub lines: u64,
     pub skip: Skip,
-    /// How many volumes lie one after another.
-    pub frames: u64,
+    pub series: Series,
     /// value = number·slope + intercept.
     pub scale: Option<[f64; 2]>,
+    /// Whether the voxels must end the file: there is no header to say how many they are.
+    pub last: bool,
 }
 
 impl Layout {
@@ -78,335 +109,246 @@ impl Layout {
         }
     }
 
-    /// Reads the numbers of one volume from `source`, which stands where the data begin.
-    pub fn read(&self, source: &mut dyn Source, options: &ReadOptions, place: &Place) -> Result<Samples, VolumeError> {
-        let frame = options.frame as u64;
-        if frame >= self.frames {
+    /// Reads the numbers of one volume, its axes turned by `order`.
+    pub fn read(
+        &self,
+        data: Data,
+        order: AxisOrder,
+        options: &ReadOptions,
+        place: &Place,
+    ) -> Result<Samples, VolumeError> {
+        let (frame, volumes) = (options.frame as u64, self.series.count());
+        if frame >= volumes {
             return Err(VolumeError::Parameter {
-                name: "frame",
-                reason: format!("frame {frame} of a file of {} volumes", self.frames),
-                remedy: "frames count from 0",
+                name: "time",
+                reason: format!("volume {frame} of a file of {volumes}"),
+                remedy: "volumes count from 0",
             });
         }
         let count = sample_count(self.dims, self.kept(), options.limit(), &place.file)?;
-        let frame_bytes = (count as u64).saturating_mul(self.stored.bytes() as u64);
-        let before = frame_bytes.saturating_mul(frame);
-        let job = Job { layout: self, count, place, length_known: self.encoding == Encoding::Raw };
-        match self.encoding {
-            Encoding::Raw => {
-                let skip = self.find_start(source, frame_bytes, place)?;
-                let start = skip.saturating_add(before);
-                source.seek(SeekFrom::Start(start)).map_err(|e| place.io("read", e))?;
-                job.decode(source)
-            }
-            Encoding::Gzip => job.inflate(MultiGzDecoder::new(source), self.skip_then(before)),
-            Encoding::Zlib => job.inflate(ZlibDecoder::new(source), self.skip_then(before)),
-            Encoding::Text => {
-                if let Skip::Bytes(skip) = self.skip {
-                    job.pass_over(source, skip)?;
-                }
-                job.parse(source, frame.saturating_mul(count as u64))
-            }
+        let total = (count as u64).checked_mul(volumes);
+        let total = total.filter(|total| total.checked_mul(self.stored.bytes() as u64).is_some());
+        let total = total.ok_or_else(|| place.wrong("sizes", "more than 2^64 bytes", "correct the sizes"))?;
+        let mut parts = Parts::new(self, data, total, place)?;
+        if let Series::After(_) = self.series {
+            parts.pass_over(frame * count as u64)?;
         }
+        Job { layout: self, order, frame: options.frame, count, place }.read(parts)
     }
 
-    fn skip_then(&self, before: u64) -> u64 {
-        match self.skip {
-            Skip::Bytes(skip) => skip.saturating_add(before),
-            Skip::ToEnd => before,
+    pub fn does_not_fit(&self, value: &str, index: u64, place: &Place) -> VolumeError {
+        VolumeError::DoesNotFit {
+            file: place.file.clone(),
+            value: value.to_owned(),
+            index,
+            sample_type: self.kept(),
+            remedy: match self.stored {
+                StoredType::Plain(_) => "correct the number or the header's type".to_owned(),
+                _ => "64-bit integers are kept in 32 bits; store the data as f64".to_owned(),
+            },
         }
     }
-
-    /// Where in the file the first volume begins; an error if the file is too short for all.
-    fn find_start(&self, source: &mut dyn Source, frame_bytes: u64, place: &Place) -> Result<u64, VolumeError> {
-        let here = source.stream_position().map_err(|e| place.io("read", e))?;
-        let end = source.seek(SeekFrom::End(0)).map_err(|e| place.io("read", e))?;
-        let promised = frame_bytes.saturating_mul(self.frames);
-        let start = match self.skip {
-            Skip::Bytes(skip) => here.saturating_add(skip),
-            Skip::ToEnd => end.saturating_sub(promised).max(here),
-        };
-        let found = end.saturating_sub(start);
-        if found < promised {
-            return Err(truncated(place, promised, found));
-        }
-        Ok(start)
-    }
-}
-
-fn truncated(place: &Place, promised: u64, found: u64) -> VolumeError {
-    VolumeError::Truncated { file: place.file.clone(), promised, found, unit: "bytes" }
 }
 
 /// The reading of one volume.
 struct Job<'a> {
     layout: &'a Layout,
+    order: AxisOrder,
+    frame: usize,
     count: usize,
     place: &'a Place,
-    length_known: bool,
-}
-
-/// Runs one call for the Rust types of a stored and a kept number.
-macro_rules! for_stored {
-    ($stored:expr, $number:ident => $body:expr) => {
-        match $stored {
-            StoredType::Plain(SampleType::U8) => {
-                type $number = u8;
-                $body
-            }
-            StoredType::Plain(SampleType::I8) => {
-                type $number = i8;
-                $body
-            }
-            StoredType::Plain(SampleType::U16) => {
-                type $number = u16;
-                $body
-            }
-            StoredType::Plain(SampleType::I16) => {
-                type $number = i16;
-                $body
-            }
-            StoredType::Plain(SampleType::U32) => {
-                type $number = u32;
-                $body
-            }
-            StoredType::Plain(SampleType::I32) => {
-                type $number = i32;
-                $body
-            }
-            StoredType::Plain(SampleType::F32) => {
-                type $number = f32;
-                $body
-            }
-            StoredType::Plain(SampleType::F64) => {
-                type $number = f64;
-                $body
-            }
-            StoredType::I64 => {
-                type $number = i64;
-                $body
-            }
-            StoredType::U64 => {
-                type $number = u64;
-                $body
-            }
-        }
-    };
 }
 
 /// A stored number that is kept as it is.
 trait Kept: Stored + Sample {}
 impl<T: Stored + Sample> Kept for T {}
 
-impl Job<'_> {
-    /// Numbers from a decompressed stream, which must then end well.
-    fn inflate(&self, mut stream: impl Read, skip: u64) -> Result<Samples, VolumeError> {
-        self.pass_over(&mut stream, skip)?;
-        let samples = self.decode(&mut stream)?;
-        // At the end of the stream the decoder compares its checksum.
-        read_full(&mut stream, &mut [0]).map_err(|e| self.failed(e))?;
-        Ok(samples)
-    }
+/// Consecutive numbers of the file that are a box of the stored grid.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    from: [usize; 3],
+    size: [usize; 3],
+}
 
-    fn pass_over(&self, stream: &mut (impl Read + ?Sized), skip: u64) -> Result<(), VolumeError> {
-        let passed = std::io::copy(&mut stream.take(skip), &mut std::io::sink()).map_err(|e| self.failed(e))?;
-        if passed < skip {
-            return Err(truncated(self.place, skip, passed));
-        }
-        Ok(())
-    }
-
-    /// Numbers from plain bytes.
-    fn decode(&self, stream: &mut (impl Read + ?Sized)) -> Result<Samples, VolumeError> {
-        fn kept<T: Kept>(job: &Job, stream: &mut (impl Read + ?Sized)) -> Result<Samples, VolumeError> {
-            Ok(T::wrap(job.decode_in_place::<T>(stream)?))
-        }
-        use SampleType::*;
-        let Some([slope, intercept]) = self.layout.scale else {
-            return match self.layout.stored {
-                StoredType::Plain(U8) => kept::<u8>(self, stream),
-                StoredType::Plain(I8) => kept::<i8>(self, stream),
-                StoredType::Plain(U16) => kept::<u16>(self, stream),
-                StoredType::Plain(I16) => kept::<i16>(self, stream),
-                StoredType::Plain(U32) => kept::<u32>(self, stream),
-                StoredType::Plain(I32) => kept::<i32>(self, stream),
-                StoredType::Plain(F32) => kept::<f32>(self, stream),
-                StoredType::Plain(F64) => kept::<f64>(self, stream),
-                StoredType::I64 => self.decode_converted(stream, |n: i64| i32::try_from(n).ok()).map(Samples::I32),
-                StoredType::U64 => self.decode_converted(stream, |n: u64| u32::try_from(n).ok()).map(Samples::U32),
-            };
-        };
-        for_stored!(self.layout.stored, Number => {
-            if self.layout.kept() == F32 {
-                let scaled = |n: Number| Some((n.double() * slope + intercept) as f32);
-                self.decode_converted(stream, scaled).map(Samples::F32)
-            } else {
-                let scaled = |n: Number| Some(n.double() * slope + intercept);
-                self.decode_converted(stream, scaled).map(Samples::F64)
-            }
-        })
-    }
-
-    /// Bytes go straight into the vector and are turned round there.
-    fn decode_in_place<T: Kept>(&self, stream: &mut (impl Read + ?Sized)) -> Result<Vec<T>, VolumeError> {
-        let mut samples: Vec<T> = self.room()?;
-        while samples.len() < self.count {
-            let start = samples.len();
-            let chunk = self.chunk::<T>(start);
-            self.grow(&mut samples, chunk)?;
-            samples.resize(start + chunk, T::zeroed());
-            self.fill(stream, &mut samples[start..], start)?;
-        }
-        Ok(samples)
-    }
-
-    /// Bytes go through a small buffer and are changed into another type.
-    fn decode_converted<T: Stored, S: Sample>(
-        &self,
-        stream: &mut (impl Read + ?Sized),
-        convert: impl Fn(T) -> Option<S>,
-    ) -> Result<Vec<S>, VolumeError> {
-        let mut samples: Vec<S> = self.room()?;
-        let mut buffer: Vec<T> = vec![T::zeroed(); self.chunk::<T>(0)];
-        while samples.len() < self.count {
-            let start = samples.len();
-            let chunk = self.chunk::<T>(start);
-            self.grow(&mut samples, chunk)?;
-            self.fill(stream, &mut buffer[..chunk], start)?;
-            for (i, &number) in buffer[..chunk].iter().enumerate() {
-                let sample =
-                    convert(number).ok_or_else(|| self.does_not_fit(&number.double().to_string(), start + i))?;
-                samples.push(sample);
-            }
-        }
-        Ok(samples)
-    }
-
-    /// Numbers from text, after passing over `skip` of them.
-    fn parse(&self, source: &mut dyn BufRead, skip: u64) -> Result<Samples, VolumeError> {
-        let mut numbers = Numbers::new(source);
-        for passed in 0..skip {
-            if numbers.next().map_err(|e| self.place.io("read", e))?.is_none() {
-                return Err(self.too_few_numbers(skip, passed));
-            }
-        }
-        fn kept<S: Sample, T: Stored>(
-            job: &Job,
-            numbers: &mut Numbers,
-            convert: impl Fn(T) -> Option<S>,
-        ) -> Result<Samples, VolumeError> {
-            let mut samples: Vec<S> = Vec::new();
-            while samples.len() < job.count {
-                if samples.len() == samples.capacity() {
-                    job.grow(&mut samples, CHUNK_BYTES / size_of::<S>())?;
-                }
-                let at = samples.len();
-                let word = numbers.next().map_err(|e| job.place.io("read", e))?;
-                let word = word.ok_or_else(|| job.too_few_numbers(job.count as u64, at as u64))?;
-                let sample = word.parse().ok().and_then(&convert);
-                samples.push(sample.ok_or_else(|| job.does_not_fit(word, at))?);
-            }
-            Ok(S::wrap(samples))
-        }
-        use SampleType::*;
-        match self.layout.stored {
-            StoredType::Plain(U8) => kept(self, &mut numbers, Some::<u8>),
-            StoredType::Plain(I8) => kept(self, &mut numbers, Some::<i8>),
-            StoredType::Plain(U16) => kept(self, &mut numbers, Some::<u16>),
-            StoredType::Plain(I16) => kept(self, &mut numbers, Some::<i16>),
-            StoredType::Plain(U32) => kept(self, &mut numbers, Some::<u32>),
-            StoredType::Plain(I32) => kept(self, &mut numbers, Some::<i32>),
-            StoredType::Plain(F32) => kept(self, &mut numbers, Some::<f32>),
-            StoredType::Plain(F64) => kept(self, &mut numbers, Some::<f64>),
-            StoredType::I64 => kept(self, &mut numbers, |n: i64| i32::try_from(n).ok()),
-            StoredType::U64 => kept(self, &mut numbers, |n: u64| u32::try_from(n).ok()),
-        }
-    }
-
-    /// An empty vector: with room for all where the length is known, else without.
-    fn room<S: Sample>(&self) -> Result<Vec<S>, VolumeError> {
-        if self.length_known {
-            reserve(self.count, self.layout.dims, S::TYPE, &self.place.file)
-        } else {
-            Ok(Vec::new())
-        }
-    }
-
-    /// Room for `more` samples; the vector doubles, so memory stays within twice what has come.
-    fn grow<S: Sample>(&self, samples: &mut Vec<S>, more: usize) -> Result<(), VolumeError> {
-        let short = samples.len() + more > samples.capacity();
-        let step = more.max(samples.len()).min(self.count - samples.len());
-        if short && samples.try_reserve_exact(step).is_err() {
-            reserve::<S>(usize::MAX, self.layout.dims, S::TYPE, &self.place.file)?;
-        }
-        Ok(())
-    }
-
-    fn chunk<T>(&self, start: usize) -> usize {
-        (CHUNK_BYTES / size_of::<T>()).min(self.count - start)
-    }
-
-    /// Fills `numbers` from the stream and brings them into the machine's byte order.
-    fn fill<T: Stored>(
-        &self,
-        stream: &mut (impl Read + ?Sized),
-        numbers: &mut [T],
-        start: usize,
-    ) -> Result<(), VolumeError> {
-        let bytes: &mut [u8] = bytemuck::cast_slice_mut(numbers);
-        let wanted = bytes.len();
-        let got = read_full(stream, bytes).map_err(|e| self.failed(e))?;
-        if got < wanted {
-            let size = size_of::<T>() as u64;
-            let found = start as u64 * size + got as u64;
-            return Err(truncated(self.place, self.count as u64 * size, found));
-        }
-        if self.layout.big_endian != cfg!(target_endian = "big") {
-            for n in numbers {
-                *n = n.swapped();
-            }
-        }
-        Ok(())
-    }
-
-    fn failed(&self, error: std::io::Error) -> VolumeError {
-        let damaged =
-            matches!(error.kind(), ErrorKind::InvalidData | ErrorKind::InvalidInput | ErrorKind::UnexpectedEof);
-        if damaged && self.layout.encoding != Encoding::Raw {
-            VolumeError::Inflate { file: self.place.file.clone(), reason: error.to_string() }
-        } else {
-            self.place.io("read", error)
-        }
-    }
-
-    fn does_not_fit(&self, value: &str, index: usize) -> VolumeError {
-        VolumeError::DoesNotFit {
-            file: self.place.file.clone(),
-            value: clip(value),
-            index: index as u64,
-            sample_type: self.layout.kept(),
-            remedy: match self.layout.stored {
-                StoredType::Plain(_) => "correct the number or the header's type".to_owned(),
-                _ => "64-bit integers are kept in 32 bits; store the data as f64".to_owned(),
-            },
-        }
-    }
-
-    fn too_few_numbers(&self, promised: u64, found: u64) -> VolumeError {
-        VolumeError::Truncated { file: self.place.file.clone(), promised, found, unit: "numbers" }
+impl Block {
+    fn len(&self) -> usize {
+        self.size.iter().product()
     }
 }
 
-/// Reads until `bytes` is full or the stream ends; how many bytes came.
-pub(crate) fn read_full(stream: &mut (impl Read + ?Sized), bytes: &mut [u8]) -> std::io::Result<usize> {
-    let mut filled = 0;
-    while filled < bytes.len() {
-        match stream.read(&mut bytes[filled..]) {
-            Ok(0) => break,
-            Ok(n) => filled += n,
-            Err(e) if e.kind() == ErrorKind::Interrupted => {}
-            Err(e) => return Err(e),
+/// The stored grid in blocks of at most `most` numbers (at least one): parts of a row, rows of a slice, or slices.
+fn blocks([nx, ny, nz]: [usize; 3], most: usize) -> impl Iterator<Item = Block> + Send {
+    let i = most.clamp(1, nx);
+    let j = if i == nx { (most / nx).clamp(1, ny) } else { 1 };
+    let k = if j == ny { (most / (nx * ny)).clamp(1, nz) } else { 1 };
+    let starts = |n: usize, step: usize| (0..n).step_by(step);
+    starts(nz, k).flat_map(move |z| {
+        starts(ny, j).flat_map(move |y| {
+            starts(nx, i).map(move |x| Block { from: [x, y, z], size: [i.min(nx - x), j.min(ny - y), k.min(nz - z)] })
+        })
+    })
+}
+
+impl Job<'_> {
+    fn read(&self, parts: Parts) -> Result<Samples, VolumeError> {
+        fn kept<T: Kept>(job: &Job, parts: Parts) -> Result<Samples, VolumeError> {
+            Ok(T::wrap(job.read_as::<T>(parts)?))
         }
+        fn scaled<T: Stored>(job: &Job, parts: Parts, [slope, intercept]: [f64; 2]) -> Result<Samples, VolumeError> {
+            if job.layout.kept() == SampleType::F32 {
+                let scaled = |n: T| Some((n.double() * slope + intercept) as f32);
+                job.convert(parts, scaled).map(Samples::F32)
+            } else {
+                job.convert(parts, |n: T| Some(n.double() * slope + intercept)).map(Samples::F64)
+            }
+        }
+        macro_rules! for_stored {
+            ($($name:ident $number:ident),*) => {
+                match (self.layout.stored, self.layout.scale) {
+                    $((StoredType::Plain(SampleType::$name), None) => kept::<$number>(self, parts),
+                    (StoredType::Plain(SampleType::$name), Some(scale)) => scaled::<$number>(self, parts, scale),)*
+                    (StoredType::I64, None) => self.convert(parts, |n: i64| i32::try_from(n).ok()).map(Samples::I32),
+                    (StoredType::U64, None) => self.convert(parts, |n: u64| u32::try_from(n).ok()).map(Samples::U32),
+                    (StoredType::I64, Some(scale)) => scaled::<i64>(self, parts, scale),
+                    (StoredType::U64, Some(scale)) => scaled::<u64>(self, parts, scale),
+                }
+            };
+        }
+        for_stored!(U8 u8, I8 i8, U16 u16, I16 i16, U32 u32, I32 i32, F32 f32, F64 f64)
     }
-    Ok(filled)
+
+    /// Numbers that stay what they are: where nothing is unpacked or turned they go straight to their place.
+    fn read_as<T: Kept>(&self, mut parts: Parts) -> Result<Vec<T>, VolumeError> {
+        let straight = self.order.is_stored() && matches!(self.layout.series, Series::After(_));
+        if straight && self.layout.encoding == Encoding::Raw {
+            let mut samples = self.room()?;
+            parts.fill::<T>(&mut samples)?;
+            parts.finish()?;
+            return Ok(samples);
+        }
+        self.convert(parts, Some)
+    }
+
+    /// Numbers that are converted and turned on the way.
+    fn convert<T: Stored, S: Sample + bytemuck::Zeroable>(
+        &self,
+        mut parts: Parts,
+        convert: impl Fn(T) -> Option<S>,
+    ) -> Result<Vec<S>, VolumeError> {
+        let dims = self.layout.dims;
+        let within = match self.layout.series {
+            Series::Within(volumes) => volumes as usize,
+            Series::After(_) => 1,
+        };
+        let most = BLOCK_BYTES / size_of::<T>() / within;
+        let largest = blocks(dims, most).next().map_or(0, |block| block.len()) * within;
+        let mut samples: Vec<S> = self.room()?;
+        let (first, strides) = self.order.strides(dims);
+        let mut put = |block: &Block, numbers: &[T]| self.put(block, numbers, &mut samples, (first, strides), &convert);
+        let fill = |parts: &mut Parts, block: &Block, buffer: &mut [T]| {
+            let numbers = &mut buffer[..block.len() * within];
+            parts.fill(numbers)?;
+            if within > 1 {
+                for i in 0..block.len() {
+                    numbers[i] = numbers[i * within + self.frame];
+                }
+            }
+            Ok::<(), VolumeError>(())
+        };
+        let room = || try_zeroed_vec::<T>(largest).map_err(|_| self.no_room(largest * size_of::<T>()));
+        if blocks(dims, most).nth(1).is_none() {
+            let mut buffer = room()?;
+            for block in blocks(dims, most) {
+                fill(&mut parts, &block, &mut buffer)?;
+                put(&block, &buffer[..block.len()])?;
+            }
+            parts.finish()?;
+            return Ok(samples);
+        }
+        let (filled, full) = sync_channel::<(Block, Vec<T>)>(1);
+        let (emptied, empty) = channel();
+        for buffer in [room()?, room()?] {
+            let _ = emptied.send(buffer);
+        }
+        std::thread::scope(|scope| {
+            let filler = scope.spawn(move || {
+                for block in blocks(dims, most) {
+                    // Both ends go away only where the other has failed.
+                    let Ok(mut buffer) = empty.recv() else { return Ok(()) };
+                    fill(&mut parts, &block, &mut buffer)?;
+                    if filled.send((block, buffer)).is_err() {
+                        return Ok(());
+                    }
+                }
+                parts.finish()
+            });
+            let placed = full.into_iter().try_for_each(|(block, buffer)| {
+                put(&block, &buffer[..block.len()])?;
+                let _ = emptied.send(buffer);
+                Ok(())
+            });
+            drop(emptied);
+            let filled = filler.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+            placed.and(filled)
+        })?;
+        Ok(samples)
+    }
+
+    /// Puts a block of the stored grid where it belongs in the grid: the voxel (0, 0, 0) at `first`, steps of `strides`.
+    fn put<T: Stored, S: Sample>(
+        &self,
+        block: &Block,
+        numbers: &[T],
+        samples: &mut [S],
+        (first, strides): (usize, [isize; 3]),
+        convert: &impl Fn(T) -> Option<S>,
+    ) -> Result<(), VolumeError> {
+        let [nx, ny, _] = block.size;
+        let from = (0..3).map(|a| block.from[a] as isize * strides[a]).sum::<isize>() + first as isize;
+        let mut voxel = |[x, y, z]: [usize; 3]| {
+            let number = numbers[(z * ny + y) * nx + x];
+            let at = from + x as isize * strides[0] + y as isize * strides[1] + z as isize * strides[2];
+            samples[at as usize] = convert(number).ok_or_else(|| {
+                let [dx, dy, _] = self.layout.dims;
+                let [i, j, k] = [0, 1, 2].map(|a| block.from[a] + [x, y, z][a]);
+                let index = (k * dy + j) * dx + i;
+                self.layout.does_not_fit(&number.double().to_string(), index as u64, self.place)
+            })?;
+            Ok::<(), VolumeError>(())
+        };
+        // The innermost loop goes along the axis whose samples lie side by side.
+        let fast = strides.iter().position(|s| s.abs() == 1).unwrap_or(0);
+        let [a, b] = match fast {
+            0 => [1, 2],
+            1 => [0, 2],
+            _ => [0, 1],
+        };
+        let at = |fast_at: usize, a_at: usize, b_at: usize| {
+            let mut at = [0; 3];
+            (at[fast], at[a], at[b]) = (fast_at, a_at, b_at);
+            at
+        };
+        let (tile, last) = if fast == 0 { (usize::MAX, nx) } else { (TILE, block.size[fast]) };
+        for b_at in 0..block.size[b] {
+            for a_tile in (0..block.size[a]).step_by(TILE) {
+                for tile_from in (0..last).step_by(tile.min(last)) {
+                    for a_at in a_tile..block.size[a].min(a_tile + TILE) {
+                        for fast_at in tile_from..last.min(tile_from.saturating_add(tile)) {
+                            voxel(at(fast_at, a_at, b_at))?;
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Room for all samples, of zeros that the system has not given yet.
+    fn room<S: Sample + bytemuck::Zeroable>(&self) -> Result<Vec<S>, VolumeError> {
+        try_zeroed_vec(self.count).map_err(|_| self.no_room(self.count * size_of::<S>()))
+    }
+
+    fn no_room(&self, bytes: usize) -> VolumeError {
+        no_room(&self.place.file, self.layout.dims, self.layout.kept(), bytes as u64)
+    }
 }

@@ -1,6 +1,6 @@
 //! Text in volume files: header lines, lists of numbers, voxels written as text.
 
-use std::io::BufRead;
+use std::io::{BufRead, Read};
 use std::str::FromStr;
 
 use crate::VolumeError;
@@ -135,13 +135,13 @@ pub(crate) fn clip(text: &str) -> String {
 }
 
 /// Numbers written as text, with blanks or commas between.
-pub(crate) struct Numbers<'a> {
-    source: &'a mut dyn BufRead,
+pub(crate) struct Numbers<R> {
+    source: R,
     word: Vec<u8>,
 }
 
-impl<'a> Numbers<'a> {
-    pub fn new(source: &'a mut dyn BufRead) -> Self {
+impl<R: BufRead> Numbers<R> {
+    pub fn new(source: R) -> Self {
         Self { source, word: Vec::new() }
     }
 
@@ -180,5 +180,42 @@ impl<'a> Numbers<'a> {
             return Ok(None);
         }
         Ok(Some(std::str::from_utf8(&self.word).unwrap_or("(not text)")))
+    }
+}
+
+/// Bytes written as two hexadecimal digits each, with blanks anywhere between.
+pub(crate) struct HexBytes<R> {
+    source: R,
+}
+
+impl<R: BufRead> HexBytes<R> {
+    pub fn new(source: R) -> Self {
+        Self { source }
+    }
+
+    /// The value of the next digit; `None` at the end.
+    fn digit(&mut self) -> std::io::Result<Option<u8>> {
+        loop {
+            let Some(&byte) = self.source.fill_buf()?.first() else { return Ok(None) };
+            self.source.consume(1);
+            if let Some(digit) = char::from(byte).to_digit(16) {
+                return Ok(Some(digit as u8));
+            }
+            if !byte.is_ascii_whitespace() {
+                let reason = format!("'{}' is no hexadecimal digit", byte.escape_ascii());
+                return Err(std::io::Error::new(std::io::ErrorKind::InvalidData, reason));
+            }
+        }
+    }
+}
+
+impl<R: BufRead> Read for HexBytes<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        for (i, byte) in bytes.iter_mut().enumerate() {
+            let Some(high) = self.digit()? else { return Ok(i) };
+            let Some(low) = self.digit()? else { return Ok(i) };
+            *byte = high << 4 | low;
+        }
+        Ok(bytes.len())
     }
 }

@@ -17,13 +17,25 @@ static FILES: LazyLock<Vec<(String, Vec<u8>)>> = LazyLock::new(|| {
 });
 
 fn options(frame: usize) -> ReadOptions {
-    ReadOptions { memory_limit_bytes: Some(1 << 20), frame, raw: Some(RawLayout::new([2, 2, 2], SampleType::U16)) }
+    ReadOptions {
+        memory_limit_bytes: Some(1 << 20),
+        frame,
+        raw: Some(RawLayout::new([2, 2, 2], SampleType::U16)),
+        ..ReadOptions::default()
+    }
 }
 
 /// Words that headers are made of, to get past the first checks.
 const WORDS: &[&str] = &[
     "NRRD0004\n",
     "NRRD0005\n",
+    "space: ",
+    "RAS\n",
+    "axis mins: ",
+    "axis maxs: ",
+    "hex\n",
+    "x%02d.raw 1 2 1\n",
+    "TransformMatrix = 1 0 0 0 1 0 0 0 1\n",
     "type: ",
     "uint8\n",
     "double\n",

@@ -1,7 +1,7 @@
 //! The fixtures and their closed form, for the tests of the readers.
 #![allow(dead_code)] // Each test file uses its part.
 
-use cube3_volume::{SampleType, Volume};
+use cube3_volume::{SampleType, Space, Volume};
 
 pub const DIMS: [usize; 3] = [3, 4, 5];
 pub const SPACING: [f64; 3] = [0.75, 1.25, 2.5];
@@ -77,13 +77,19 @@ pub fn kept(numpy_type: &str) -> SampleType {
     }
 }
 
-/// Compares every voxel, the type, the spacing and the origin.
-pub fn assert_closed_form(volume: &Volume, numpy_type: &str, what: &str) {
+/// Compares every voxel at its place in the world, the type and the spacing. The files' own coordinates run to the left and
+/// back (`lps`), as ITK's do, or to the right and front, as NIfTI's do; the grid's axes run to the right, front and up.
+pub fn assert_closed_form(volume: &Volume, numpy_type: &str, lps: bool, what: &str) {
     assert_eq!(volume.dims, DIMS, "{what}");
     assert_eq!(volume.spacing, SPACING, "{what}");
-    assert_eq!(volume.origin, ORIGIN, "{what}");
     assert_eq!(volume.sample_type(), kept(numpy_type), "{what}");
-    assert_voxels(volume, what, |x, y, z| expected(numpy_type, x, y, z));
+    assert_eq!((volume.world.space, volume.world.letters().as_str()), (Space::Patient, "RAS"), "{what}");
+    assert_eq!(volume.world.stored_letters(), if lps { "LPS" } else { "RAS" }, "{what}");
+    let [ox, oy, oz] = ORIGIN;
+    let last = |axis: usize| (DIMS[axis] - 1) as f64 * SPACING[axis];
+    assert_eq!(volume.origin, if lps { [-ox - last(0), -oy - last(1), oz] } else { ORIGIN }, "{what}");
+    let stored = |axis: usize, at: usize| if lps { DIMS[axis] - 1 - at } else { at };
+    assert_voxels(volume, what, |x, y, z| expected(numpy_type, stored(0, x), stored(1, y), z));
 }
 
 /// Compares every voxel.
