@@ -16,7 +16,7 @@ mod straight;
 use std::fmt;
 
 use crate::error::show_dims;
-use crate::{ReadOptions, Sample, Samples, Space, Volume, VolumeError, World};
+use crate::{ReadOptions, Sample, Space, Volume, VolumeError, World};
 
 use spline::Taps;
 

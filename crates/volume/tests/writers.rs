@@ -1,8 +1,8 @@
 //! What is written is read back, and what was there is never lost.
 
 use cube3_volume::{
-    Endian, Packing, RawLayout, ReadOptions, SampleType, Samples, Space, Volume, World, read, write, write_packed,
-    write_raw,
+    Endian, Ordering, Packing, RawLayout, ReadOptions, SampleType, Samples, Space, Volume, World, read, write,
+    write_packed, write_raw,
 };
 
 /// A volume of the type, with its extremes, at awkward spacing.
@@ -299,4 +299,46 @@ fn raw_says_where_directions_are_lost() {
     let drawn = Volume { world: World { space: Space::Patient, ..World::default() }, ..placed(Space::Patient) };
     let (bytes, remarks) = written("v.raw", &drawn);
     assert_eq!((bytes, remarks.len()), (vec![1, 2, 3, 4], 0));
+}
+
+/// World directions: along axes in another order, oblique and left-handed, oblique with a slant.
+fn worlds() -> [[[f64; 3]; 3]; 3] {
+    let turn = glam::DMat3::from_rotation_z(0.35) * glam::DMat3::from_rotation_x(0.52);
+    let oblique = [turn.x_axis, turn.y_axis, -turn.z_axis].map(|d| d.to_array());
+    let slant = [oblique[0], oblique[1], (turn.z_axis + 0.2 * turn.y_axis).normalize().to_array()];
+    [[[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]], oblique, slant]
+}
+
+#[test]
+fn every_format_comes_back_in_its_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let stored = ReadOptions { ordering: Ordering::AsStored, ..ReadOptions::default() };
+    let numbers = |a: &Volume| [a.world.directions.concat(), a.origin.to_vec(), a.spacing.to_vec()].concat();
+    let mut files = 0;
+    for (name, within) in [("v.nrrd", 1e-15), ("v.mha", 1e-15), ("v.nii", 1e-7), ("v.nii.gz", 1e-7)] {
+        let path = folder.path().join(name);
+        for (sample_type, directions) in SampleType::ALL.into_iter().flat_map(|t| worlds().map(|w| (t, w))) {
+            let before = volume(sample_type);
+            let before = Volume { spacing: [0.1, 1.0 / 3.0, 2.5], origin: [-110.3, 0.2, 1e3], ..before };
+            for space in [Space::Patient, Space::Room, Space::Unknown] {
+                let before = Volume { world: World { space, directions, ..World::default() }, ..before.clone() };
+                let remarks = write(&path, &before).unwrap();
+                let after = read(&path, &stored).unwrap();
+                assert_eq!((after.dims, &after.samples), (before.dims, &before.samples), "{name}");
+                assert_eq!(remarks.is_empty(), name == "v.nrrd" || space == Space::Patient, "{name} {remarks:?}");
+                let lost = space == Space::Unknown && name.starts_with("v.nii");
+                let kept = if name == "v.nrrd" || lost { space } else { Space::Patient };
+                assert_eq!(after.world.space, kept, "{name}");
+                let expected = match lost {
+                    true => Volume { world: World::default(), origin: [0.0; 3], ..before.clone() },
+                    false => before.clone(),
+                };
+                for (a, b) in numbers(&after).into_iter().zip(numbers(&expected)) {
+                    assert!((a - b).abs() <= within * b.abs().max(1.0), "{name} {space:?} {directions:?}: {a} {b}");
+                }
+                files += 1;
+            }
+        }
+    }
+    assert_eq!(files, 4 * 8 * 3 * 3);
 }
