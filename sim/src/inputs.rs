@@ -1,12 +1,13 @@
 //! Scene, machine and volume of a run: files, presets and phantoms.
 
+use crate::directions;
 use crate::problem::{Outcome, Problem};
 use crate::progress::Waiting;
 use cube3_host::{MachineSpec, VolumeInfo};
-use cube3_scene::{Scene, VolumeSource};
+use cube3_scene::{FileAxes, Scene, VolumeSource};
 use cube3_volume::{
-    ConversionReport, NonFiniteRule, Phantom, PhantomParams, ReadOptions, Volume, VoxelWords, WordConversion,
-    WordRounding,
+    ConversionReport, NonFinite, NonFiniteRule, Ordering, Phantom, PhantomParams, ReadOptions, Volume, VolumeError,
+    VoxelWords, WordConversion, WordRounding,
 };
 use cube3_word::Rounding;
 use std::path::Path;
@@ -49,6 +50,8 @@ pub struct LoadedVolume {
     pub words: VoxelWords,
     /// How the one became the other.
     pub conversion: ConversionReport,
+    /// What its file left to be said, in sentences.
+    pub notes: Vec<String>,
 }
 
 impl LoadedVolume {
@@ -63,13 +66,40 @@ impl LoadedVolume {
     }
 }
 
+/// A volume as it comes in.
+pub struct Incoming {
+    /// Where it comes from, for the report.
+    pub source: String,
+    /// The data.
+    pub data: Volume,
+    /// What its file left to be said, in sentences.
+    pub notes: Vec<String>,
+}
+
 /// Reads or makes a scene's volume.
 ///
 /// # Errors
 /// A file that cannot be read, a phantom that is not known.
-pub fn data(source: &VolumeSource, options: &ReadOptions) -> Outcome<(String, Volume)> {
+pub fn data(source: &VolumeSource, options: &ReadOptions) -> Outcome<Incoming> {
     if let Some(path) = &source.file {
-        return Ok((path.display().to_string(), cube3_volume::read(path, options)?));
+        let options = read_options(source, options);
+        let about = cube3_volume::inspect(path, &options)?;
+        let data = cube3_volume::read(path, &options)?;
+        let mut notes = about.remarks.clone();
+        notes.extend(directions::left_over_note(path, &data.world));
+        let mut name = path.display().to_string();
+        if about.volumes > 1 {
+            let last = about.volumes - 1;
+            name += &format!(", volume {} of 0 to {last}", options.frame);
+            if source.time.is_none() && options.frame == 0 {
+                notes.push(format!(
+                    "{} holds a series of {} volumes, of which this is the first; --time takes another, 0 to {last}, and --frames plays them",
+                    path.display(),
+                    about.volumes
+                ));
+            }
+        }
+        return Ok(Incoming { source: name, data, notes });
     }
     if let [first, ..] = source.files.as_slice() {
         let (count, first) = (source.files.len(), first.display());
@@ -81,8 +111,17 @@ pub fn data(source: &VolumeSource, options: &ReadOptions) -> Outcome<(String, Vo
     let name = source.phantom.clone().or(default.phantom).unwrap_or_default();
     let size = source.size_voxels.or(default.size_voxels).unwrap_or(128);
     let params = PhantomParams { phase: source.phase, ..PhantomParams::default() };
-    let volume = name.parse::<Phantom>()?.generate(size, &params)?;
-    Ok((format!("phantom {name}, {size} voxels a side"), volume))
+    let data = name.parse::<Phantom>()?.generate(size, &params)?;
+    Ok(Incoming { source: format!("phantom {name}, {size} voxels a side"), data, notes: Vec::new() })
+}
+
+/// How a scene has its file read.
+pub fn read_options(source: &VolumeSource, options: &ReadOptions) -> ReadOptions {
+    let ordering = match source.axes {
+        FileAxes::Ras => Ordering::Ras,
+        FileAxes::Stored => Ordering::AsStored,
+    };
+    ReadOptions { ordering, frame: source.time.unwrap_or(options.frame), ..options.clone() }
 }
 
 /// Reads or makes a scene's volume, and converts it to a machine's voxel words.
@@ -91,8 +130,9 @@ pub fn data(source: &VolumeSource, options: &ReadOptions) -> Outcome<(String, Vo
 /// As [`data`], and values that are not finite where `mask` is not set.
 pub fn volume(scene: &Scene, machine: &MachineSpec, options: &ReadOptions, mask: bool) -> Outcome<LoadedVolume> {
     let _waiting = Waiting::new("volume");
-    let (source, data) = data(&scene.volume, options)?;
-    to_words(source, data, scene.volume.window, machine, mask)
+    let Incoming { source, data, mut notes } = data(&scene.volume, options)?;
+    notes.extend(directions::old_format_note(scene, &data.world));
+    Ok(LoadedVolume { notes, ..to_words(source, data, scene.volume.window, machine, mask)? })
 }
 
 /// Converts data to a machine's voxel words; the window is that of the data where none is given.
@@ -116,14 +156,20 @@ pub fn to_words(
     };
     let single = data.dims.map(|n| n == 1);
     let data = if single.contains(&true) { data.thickened().into_owned() } else { data };
-    let (words, conversion) = data.to_words(machine.words.voxel_bits, &conversion)?;
+    let converted = data.to_words(machine.words.voxel_bits, &conversion);
+    let (words, conversion) = converted.map_err(|error| match error {
+        VolumeError::NonFinite(NonFinite { position: [x, y, z], value }) => Problem::new(format!(
+            "{source}: voxel ({x}, {y}, {z}) is {value}, not a number; repair the data, or give --mask-non-finite to make such voxels word 0"
+        )),
+        other => other.into(),
+    })?;
     let data = if conversion.masked > 0 {
         let low = words.window[0];
         data.map::<f64>(|value| if value.is_finite() { value } else { low })
     } else {
         data
     };
-    Ok(LoadedVolume { source, single, data, words, conversion })
+    Ok(LoadedVolume { source, single, data, words, conversion, notes: Vec::new() })
 }
 
 /// Refuses what would not fit into memory, before any is taken: pictures, base plane, and the planes between the units. `cycle` is

@@ -7,6 +7,7 @@ pub mod checkpoint;
 pub mod clocked;
 pub mod command;
 mod crowded_words;
+mod directions;
 mod ends_note;
 pub mod fidelity;
 pub mod function;

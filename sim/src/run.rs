@@ -2,6 +2,7 @@
 
 use crate::checkpoint::Identity;
 use crate::clocked::{Stops, run_clocked};
+use crate::directions;
 use crate::ends_note;
 use crate::fidelity::{Fidelity, Timing};
 use crate::function::{CanonicalVolume, FunctionRun, render};
@@ -175,7 +176,8 @@ pub fn run_frame_with(
     let found =
         Found { frames: 1, incoming: None, interval: None, samples, opacity, error, digest, wall, sequence: None };
     let report = asked.report(&frames, &run, found)?;
-    let mut told = run.told;
+    let mut told = volume.notes.clone();
+    told.extend(run.told);
     told.extend(findings.notes(run.bases.as_deref(), samples));
     told.extend(ray_spacing::notes(volume.dims(), volume.words.spacing));
     Ok(RunResult { report, pictures, notes: told, counters: run.counters })
@@ -230,8 +232,9 @@ impl Asked<'_> {
                 dims: volume.dims(),
                 spacing: volume.words.spacing,
                 conversion: volume.conversion.to_string().into(),
+                axes: directions::axes_report(&volume.data.world),
             },
-            view: view_report(scene, volume, frames),
+            view: view_report(scene, volume, frames)?,
             plan: PlanReport { enabled: options.plan, left_out: left_out(frames) },
             timing: run.counters.as_ref().map(|counters| {
                 TimingCounts {
@@ -437,7 +440,7 @@ pub(crate) fn measure(
     Ok(error)
 }
 
-fn view_report(scene: &Scene, volume: &LoadedVolume, frames: &PictureFrames) -> ViewReport {
+fn view_report(scene: &Scene, volume: &LoadedVolume, frames: &PictureFrames) -> Outcome<ViewReport> {
     let central = canonical(frames.view.direction, volume.words.spacing);
     let geometry = frames.setups.first().map(|setup| &setup.geometry);
     let axes = geometry.map_or(central.axes, |geometry| geometry.axes);
@@ -458,7 +461,8 @@ fn view_report(scene: &Scene, volume: &LoadedVolume, frames: &PictureFrames) -> 
         (rule, slots)
     });
     let parallel = geometry.filter(|geometry| geometry.perspective.is_none());
-    ViewReport {
+    Ok(ViewReport {
+        sides: directions::sides_report(&scene.view, &volume.data.world)?,
         major_axis: AXES[axes.axis[2]].into(),
         flips,
         slopes: parallel.map_or(central.slopes, Geometry::real_slopes),
@@ -470,7 +474,7 @@ fn view_report(scene: &Scene, volume: &LoadedVolume, frames: &PictureFrames) -> 
             field_of_view_deg: scene.view.perspective.map_or(0.0, |perspective| perspective.field_of_view_deg),
             passes: frames.setups.iter().filter_map(pass_report).collect(),
         }),
-    }
+    })
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];

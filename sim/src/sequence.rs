@@ -12,9 +12,10 @@
 
 use crate::acquisition::{Mixture, Sight};
 use crate::animation::playback_fps;
+use crate::directions;
 use crate::ends_note;
 use crate::fidelity::Timing;
-use crate::inputs::{self, LoadedVolume};
+use crate::inputs::{self, Incoming, LoadedVolume};
 use crate::machine::{Machine, Overflows, RunCounters};
 use crate::notes::Findings;
 use crate::problem::{Outcome, Problem};
@@ -28,10 +29,14 @@ use cube3_report::{AcquisitionReport, DigestReport, FrameReport, NO_OBJECT, Sequ
 use cube3_scene::{Scene, VolumeSource};
 use cube3_volume::{Phantom, ReadOptions};
 use std::collections::{BTreeMap, VecDeque};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Most frames of a sequence.
 pub const MOST_FRAMES: usize = 100_000;
+
+/// Spacings that differ by less, as a part, are one: single precision has 6·10⁻⁸.
+const SAME_SPACING: f64 = 1e-6;
 
 /// Volumes that are kept: a torn frame shows two or three, and the next frame the last of them again.
 const KEPT_VOLUMES: usize = 4;
@@ -45,6 +50,8 @@ pub struct Series {
     /// The first volume's, which all share.
     window: [f64; 2],
     phase_per_volume: f64,
+    /// Each volume's file and its place in it; empty where a phantom is computed.
+    items: Vec<(PathBuf, usize)>,
     first: Arc<LoadedVolume>,
     kept: VecDeque<(u64, Arc<LoadedVolume>)>,
     /// Words held at the ends of the window, of each volume that has been loaded.
@@ -72,12 +79,16 @@ impl Series {
             )));
         }
         let phase_per_volume = source.phase_per_frame.unwrap_or(1.0 / frames.max(1) as f64);
-        for file in &source.files {
-            std::fs::metadata(file).map_err(|error| {
-                Problem::new(format!("{}: {error}; give the volume files of the series", file.display()))
-            })?;
+        let mut items = Vec::new();
+        for file in source.file.iter().chain(&source.files) {
+            let about = cube3_volume::inspect(file, &inputs::read_options(&source, options))?;
+            match source.time {
+                Some(time) => items.push((file.clone(), time)),
+                None => items.extend((0..about.volumes).map(|time| (file.clone(), time))),
+            }
         }
-        let first = load(&source, 0, phase_per_volume, source.window, machine, options, mask)?;
+        let mut first = load(&source, &items, 0, phase_per_volume, source.window, machine, options, mask)?;
+        first.notes.extend(directions::old_format_note(scene, &first.data.world));
         let clipped = BTreeMap::from([(0, first.conversion.clipped_below + first.conversion.clipped_above)]);
         Ok(Series {
             window: first.words.window,
@@ -86,6 +97,7 @@ impl Series {
             options: options.clone(),
             mask,
             phase_per_volume,
+            items,
             first: Arc::new(first),
             kept: VecDeque::new(),
             clipped,
@@ -100,7 +112,7 @@ impl Series {
     /// How many volumes there are; a phantom that moves has no end.
     pub fn count(&self) -> Option<u64> {
         let moves = self.source.phantom.as_ref().is_some_and(|name| name.parse().is_ok_and(Phantom::moves));
-        (!moves).then(|| self.source.files.len().max(1) as u64)
+        (!moves).then(|| self.items.len().max(1) as u64)
     }
 
     /// Volume `index`, from 0; behind the last, the last.
@@ -115,15 +127,19 @@ impl Series {
         if let Some((_, volume)) = self.kept.iter().find(|(kept, _)| *kept == index) {
             return Ok(Arc::clone(volume));
         }
-        let Series { source, machine, options, .. } = &*self;
-        let volume = load(source, index, self.phase_per_volume, Some(self.window), machine, options, self.mask)?;
+        let Series { source, items, machine, options, .. } = &*self;
+        let window = Some(self.window);
+        let mut volume = load(source, items, index, self.phase_per_volume, window, machine, options, self.mask)?;
         let (first, here) = (&self.first.words, &volume.words);
-        if here.dims != first.dims || here.spacing != first.spacing {
+        // Headers keep spacing as decimals or in single precision: the last digits may differ.
+        let one = |a: f64, b: f64| (a - b).abs() <= SAME_SPACING * b;
+        if here.dims != first.dims || !here.spacing.iter().zip(first.spacing).all(|(a, b)| one(*a, b)) {
             return Err(Problem::new(format!(
                 "{} has {:?} voxels of {:?}, and {} has {:?} of {:?}: the volumes of a series need one grid",
                 volume.source, here.dims, here.spacing, self.first.source, first.dims, first.spacing
             )));
         }
+        (volume.words.spacing, volume.data.spacing) = (first.spacing, first.spacing);
         self.clipped.insert(index, volume.conversion.clipped_below + volume.conversion.clipped_above);
         let volume = Arc::new(volume);
         if self.kept.len() == KEPT_VOLUMES {
@@ -134,9 +150,11 @@ impl Series {
     }
 }
 
-/// Volume `index` of a source.
+/// Volume `index` of a source, one of these `items` where it is files.
+#[allow(clippy::too_many_arguments)]
 fn load(
     source: &VolumeSource,
+    items: &[(PathBuf, usize)],
     index: u64,
     phase_per_volume: f64,
     window: Option<[f64; 2]>,
@@ -146,15 +164,15 @@ fn load(
 ) -> Outcome<LoadedVolume> {
     let _waiting = Waiting::new("volume");
     let mut one = source.clone();
-    if let Some(file) = source.files.get(index as usize) {
-        one = VolumeSource::from_file(file);
+    if let Some((file, time)) = items.get(index as usize) {
+        (one.file, one.files, one.time) = (Some(file.clone()), Vec::new(), Some(*time));
     } else if let Some(name) = &source.phantom
         && name.parse::<Phantom>()?.moves()
     {
         one.phase = Some(source.phase.unwrap_or_default() + phase_per_volume * index as f64);
     }
-    let (name, data) = inputs::data(&one, options)?;
-    inputs::to_words(name, data, window, machine, mask)
+    let Incoming { source, data, notes } = inputs::data(&one, options)?;
+    Ok(LoadedVolume { notes, ..inputs::to_words(source, data, window, machine, mask)? })
 }
 
 /// A frame of the sequence, as it is made.
@@ -368,7 +386,8 @@ pub fn run_sequence(
     let mut report = asked.report(&frame, &run, found)?;
     report.words.overflows.insert("voxel".into(), series.clipped.values().sum());
     let seen = frame.setups.iter().map(|setup| setup.geometry.sample_count()).sum();
-    let mut told = run.told;
+    let mut told = first.notes.clone();
+    told.extend(run.told);
     told.extend(findings.notes(run.bases.as_deref(), seen));
     Ok(RunResult { report, pictures, notes: told, counters: run.counters })
 }

@@ -46,6 +46,10 @@ impl RunReport {
         for value in self.volume.spacing {
             finite("volume.spacing", value)?;
         }
+        if let Some(axes) = &self.volume.axes {
+            finite("volume.axes.turned_deg", axes.turned_deg)?;
+            finite("volume.axes.slanted_deg", axes.slanted_deg)?;
+        }
         for value in self.view.slopes {
             finite("view.slopes", value)?;
         }

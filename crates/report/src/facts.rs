@@ -5,8 +5,8 @@ use serde_json::Value;
 
 use crate::quantity::{count, number, percentage, prefixed, sizes};
 use crate::{
-    ErrorReport, OpacityReport, PassReport, ResourcesReport, RunReport, TimingReport, TrafficReport, UnitReport,
-    WallReport,
+    AxesReport, ErrorReport, OpacityReport, PassReport, ResourcesReport, RunReport, SidesReport, TimingReport,
+    TrafficReport, UnitReport, WallReport,
 };
 
 /// What is said, and its value.
@@ -23,10 +23,14 @@ pub(crate) fn setup(report: &RunReport) -> Vec<Fact> {
         ("Volume", format!("{}, {} voxels", volume.source, sizes(&volume.dims))),
         ("Spacing", spacing),
         ("Voxel words", inline(&volume.conversion)),
+    ];
+    facts.extend(volume.axes.iter().map(axes));
+    facts.extend(view.sides.iter().map(sides));
+    facts.extend([
         ("Major axis", format!("{}, {flips}", view.major_axis)),
         ("Slopes du, dv", slopes),
         ("Sampling", format!("offset {}, {}", number(view.offset), view.template_rule)),
-    ];
+    ]);
     match &view.perspective {
         None => facts.push(("Base plane", format!("{} pixels", sizes(&view.base_plane_size)))),
         Some(perspective) => {
@@ -43,6 +47,23 @@ pub(crate) fn setup(report: &RunReport) -> Vec<Fact> {
         ("Written by", format!("{} {}", report.program.name, report.program.version)),
     ]);
     facts
+}
+
+/// How the file's axes became those of the frame buffer.
+fn axes(axes: &AxesReport) -> Fact {
+    let mut text = format!("stored {}, drawn {}", axes.stored, axes.drawn);
+    for (angle, what) in [(axes.turned_deg, "turned by"), (axes.slanted_deg, "slanted by")] {
+        if angle >= 0.01 {
+            text += &format!(", {what} {}°", number(angle));
+        }
+    }
+    ("Axes", text)
+}
+
+/// Which side of the picture is which.
+fn sides(sides: &SidesReport) -> Fact {
+    let SidesReport { left, right, top, bottom, front } = sides;
+    ("Sides", format!("{left} on the left, {right} on the right, {top} above, {bottom} below, {front} towards the eye"))
 }
 
 /// The base plane of a pass, and how well its rays cover the volume.

@@ -38,9 +38,9 @@ pub use resources_report::{
     OperatorsReport, ResourcesReport, TrafficReport,
 };
 pub use run_report::{
-    ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, NO_OBJECT, PassReport, PerspectiveReport,
-    PlanReport, Program, ReferenceError, RunReport, SCHEMA, TimingCounts, TimingReport, UnitReport, ViewReport,
-    VolumeReport, WallReport, WordsReport,
+    AxesReport, ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, NO_OBJECT, PassReport,
+    PerspectiveReport, PlanReport, Program, ReferenceError, RunReport, SCHEMA, SidesReport, TimingCounts, TimingReport,
+    UnitReport, ViewReport, VolumeReport, WallReport, WordsReport,
 };
 pub use sequence::{AcquisitionReport, FrameReport, SequenceReport};
 pub use table::table;

@@ -91,11 +91,45 @@ pub struct VolumeReport {
     pub spacing: [f64; 3],
     /// How values became voxel words: a sentence, or an object of window, scale and rounding.
     pub conversion: Value,
+    /// How the file's axes became x, y and z; absent where it says nothing of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axes: Option<AxesReport>,
+}
+
+/// How a file's axes became those of the frame buffer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AxesReport {
+    /// Where the stored axes lead, fastest first: `LPS` to a patient's left, back and head; `+x-y+z` in a space without sides.
+    pub stored: String,
+    /// Where x, y and z lead.
+    pub drawn: String,
+    /// Turn between grid and world that permutations and flips of axes leave over.
+    pub turned_deg: f64,
+    /// How far the axes are from right angles, as after a gantry tilt.
+    pub slanted_deg: f64,
+}
+
+/// Which side of the picture is which side of the patient: R, L, A, P, S or I, the main one first.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SidesReport {
+    /// To the left of the picture.
+    pub left: String,
+    /// To the right.
+    pub right: String,
+    /// Above.
+    pub top: String,
+    /// Below.
+    pub bottom: String,
+    /// Towards the eye.
+    pub front: String,
 }
 
 /// What the host derived from the view: design, section 3.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ViewReport {
+    /// Which side of the picture is which; absent where the volume's file does not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sides: Option<SidesReport>,
     /// The volume axis nearest to the view, `x`, `y` or `z`.
     pub major_axis: String,
     /// Whether the volume is read backwards along x, y and z.

@@ -53,4 +53,4 @@ pub use scene::{SCHEMA, Scene};
 pub use transfer::{ColourPoint, Layer, Transfer};
 pub use unit_vector::unit_vector;
 pub use view::{View, ViewFrame};
-pub use volume_source::{LARGEST_PHANTOM_VOXELS, VolumeSource};
+pub use volume_source::{FileAxes, LARGEST_PHANTOM_VOXELS, VolumeSource};

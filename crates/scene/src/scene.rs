@@ -8,14 +8,15 @@ use crate::{
     View, VolumeSource,
 };
 
-/// The number of the scene's format: a file that names another was written for another version.
-pub const SCHEMA: u32 = 1;
+/// The number of the scene's format: a file that names a later one was written for another version. In format 1 a volume file was
+/// drawn as it is stored; since 2 its directions count ([`crate::FileAxes`]).
+pub const SCHEMA: u32 = 2;
 
 /// What to show. [`Scene::default`] is the paper's scene on the phantom `head`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Scene {
-    /// The number of the format, [`SCHEMA`].
+    /// The number of the format that the scene was written for, 1 to [`SCHEMA`].
     pub schema: u32,
     /// How the samples along a ray become a pixel.
     pub mode: Mode,
@@ -107,10 +108,14 @@ impl Scene {
     }
 }
 
-/// `schema` is the format that this program reads.
+/// `schema` is a format that this program reads.
 pub(crate) fn validate_schema(schema: i64) -> Checked {
-    if schema == i64::from(SCHEMA) {
+    if (1..=i64::from(SCHEMA)).contains(&schema) {
         return Ok(());
     }
-    Err(SceneError::at("schema", format!("the scene has format {schema}"), format!("give a scene of format {SCHEMA}")))
+    Err(SceneError::at(
+        "schema",
+        format!("the scene has format {schema}"),
+        format!("give a scene of format 1 to {SCHEMA}"),
+    ))
 }

@@ -13,6 +13,23 @@ pub const LARGEST_PHANTOM_VOXELS: usize = 4096;
 /// The default phantom and the length of its side, in voxels.
 const DEFAULT_PHANTOM: (&str, usize) = ("head", 128);
 
+/// How the axes of a volume file become x, y and z of the frame buffer.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FileAxes {
+    /// By their directions, where the file says them: x to a patient's right, y to the front, z to the head.
+    #[default]
+    Ras,
+    /// As the file has them: the first is x.
+    Stored,
+}
+
+impl FileAxes {
+    fn is_default(&self) -> bool {
+        *self == FileAxes::default()
+    }
+}
+
 /// Which volume is shown: a file, a series of files or a phantom, exactly one of them.
 ///
 /// In a file, naming none means the default phantom `head` of 128 voxels on a side.
@@ -36,6 +53,12 @@ pub struct VolumeSource {
     /// leaves the choice to the reader of the volume.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub window: Option<[f64; 2]>,
+    /// How the axes of a file become x, y and z.
+    #[serde(skip_serializing_if = "FileAxes::is_default")]
+    pub axes: FileAxes,
+    /// Which volume of a file that holds a series, from 0; `None` is all of them in a sequence, else the first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<usize>,
     /// For a phantom that moves: the phase of the first volume, in periods; 0 if `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<f64>,
@@ -54,18 +77,30 @@ struct VolumeSourceInFile {
     phantom: Option<String>,
     size_voxels: Option<usize>,
     window: Option<[f64; 2]>,
+    axes: FileAxes,
+    time: Option<usize>,
     phase: Option<f64>,
     phase_per_frame: Option<f64>,
 }
 
 impl From<VolumeSourceInFile> for VolumeSource {
     fn from(given: VolumeSourceInFile) -> Self {
-        let VolumeSourceInFile { file, files, mut phantom, mut size_voxels, window, phase, phase_per_frame } = given;
+        let VolumeSourceInFile {
+            file,
+            files,
+            mut phantom,
+            mut size_voxels,
+            window,
+            axes,
+            time,
+            phase,
+            phase_per_frame,
+        } = given;
         if file.is_none() && files.is_empty() {
             phantom.get_or_insert_with(|| DEFAULT_PHANTOM.0.to_owned());
             size_voxels.get_or_insert(DEFAULT_PHANTOM.1);
         }
-        VolumeSource { file, files, phantom, size_voxels, window, phase, phase_per_frame }
+        VolumeSource { file, files, phantom, size_voxels, window, axes, time, phase, phase_per_frame }
     }
 }
 
@@ -160,7 +195,13 @@ impl VolumeSource {
                     "give the name of a phantom, such as \"head\"",
                 ));
             }
-            Some(_) => {}
+            Some(_) => {
+                for (key, given) in [("volume.time", self.time.is_some()), ("volume.axes", !self.axes.is_default())] {
+                    if given {
+                        return Err(SceneError::at(key, "a phantom is no file", "leave it out, or give a volume file"));
+                    }
+                }
+            }
         }
         check::finite("volume.phase", self.phase.unwrap_or_default())?;
         check::finite("volume.phase_per_frame", self.phase_per_frame.unwrap_or_default())?;

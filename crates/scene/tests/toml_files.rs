@@ -1,8 +1,8 @@
 //! Scene files as their users write them, and the messages they get.
 
 use cube3_scene::{
-    ColourPoint, Crop, Cut, DepthCue, FARTHEST_EYE_VOXEL, Layer, Light, Mode, Perspective, Scene, Threshold, Transfer,
-    View, VolumeSource,
+    ColourPoint, Crop, Cut, DepthCue, FARTHEST_EYE_VOXEL, FileAxes, Layer, Light, Mode, Perspective, Scene, Threshold,
+    Transfer, View, VolumeSource,
 };
 use proptest::prelude::*;
 
@@ -34,6 +34,7 @@ fn every_option_in_the_commented_default_exists() {
     let alternatives = [
         "file =",
         "files =",
+        "time =",
         "yaw_deg",
         "tilt_deg",
         "roll_deg",
@@ -71,6 +72,13 @@ fn every_option_in_the_commented_default_exists() {
     assert!(scene.volume.phase.is_some() && scene.volume.phase_per_frame.is_some());
     assert_eq!(only("[volume]", "file =").volume, VolumeSource::from_file("volume.nrrd"));
     assert_eq!(only("[volume]", "files =").volume.files.len(), 2);
+    let series = Scene::from_toml("[volume]\nfile = \"a\"\ntime = 3\naxes = \"stored\"\n", "series").unwrap();
+    assert_eq!((series.volume.time, series.volume.axes), (Some(3), FileAxes::Stored));
+    for (key, value) in [("time", "0"), ("axes", "\"stored\"")] {
+        let error = Scene::from_toml(&format!("[volume]\nphantom = \"head\"\n{key} = {value}\n"), "no").unwrap_err();
+        assert_eq!(error.key(), format!("volume.{key}"));
+    }
+    assert_eq!(Scene::from_toml("schema = 1\n", "old").unwrap().schema, 1);
     assert_eq!(only("[image]", "pixel_size").image.pixel_size_voxel, Some(1.0));
     let text =
         options_on(|line| !["[view.p", "field_of_view", "eye_voxel"].iter().any(|start| line.starts_with(start)));
@@ -135,7 +143,7 @@ fn each_message_has_the_place_the_reason_and_what_is_right() {
             "[[cut]]\nnormal = [1, 0, 0]\n",
             "scene.toml:1: cut[0]: the key `through_voxel` is missing; give `through_voxel`",
         ),
-        ("schema = 2\nnew_key = 1\n", "scene.toml:1: schema: the scene has format 2; give a scene of format 1"),
+        ("schema = 3\nnew_key = 1\n", "scene.toml:1: schema: the scene has format 3; give a scene of format 1 to 2"),
         (
             "[volume]\nfile = \"a\"\nphantom = \"head\"\n",
             "scene.toml:3: volume.phantom: a file and a phantom are both given; \
@@ -342,7 +350,9 @@ prop_compose! {
                 Some(direction) => View::from_direction(direction, None),
                 None => View { roll_deg, ..View::from_angles(angles[0], angles[1]) },
             },
-            volume: VolumeSource { window, ..file.map_or_else(VolumeSource::default, VolumeSource::from_file) },
+            volume: VolumeSource { window, ..file.map_or_else(VolumeSource::default, |file| VolumeSource {
+                axes: FileAxes::Stored, time: Some(file.len()), ..VolumeSource::from_file(file)
+            }) },
             lights: lights.into_iter()
                 .map(|(direction, grey)| Light { direction, colour: [grey; 3] }).collect(),
             depth_cue: depth_cue.map(|(front, back)| DepthCue { front, back }),

@@ -196,9 +196,9 @@ fn dims(header: &Header, place: &Place) -> Result<([usize; 3], u64), VolumeError
         return Err(place.wrong("field 'dim[0]'", format!("{axes} axes"), remedy));
     }
     let mut sizes = [1; 8];
-    for axis in 1..=axes as usize {
+    for (axis, known) in sizes.iter_mut().enumerate().skip(1).take(axes as usize) {
         let size = header.dim(axis);
-        sizes[axis] = usize::try_from(size)
+        *known = usize::try_from(size)
             .ok()
             .filter(|&size| size > 0)
             .ok_or_else(|| place.wrong(format!("field 'dim[{axis}]'"), format!("a size of {size}"), remedy))?;

@@ -40,7 +40,7 @@ impl Axes {
             None => Vec::new(),
         };
         let kind = |axis: usize| kinds.get(axis).map_or("domain", String::as_str);
-        for axis in (0..count).filter(|&axis| sizes[axis] > 1 && !GRID_KINDS.contains(&kind(axis))) {
+        if let Some(axis) = (0..count).find(|&axis| sizes[axis] > 1 && !GRID_KINDS.contains(&kind(axis))) {
             let field = header.need("kinds", place)?;
             return Err(place.several(
                 format!("line {}, 'kinds'", field.line),

@@ -22,7 +22,7 @@ pub(crate) struct Source<'a>(Kind<'a>);
 
 enum Kind<'a> {
     Plain(Box<dyn Plain + 'a>),
-    Packed { stream: BufReader<MultiGzDecoder<Box<dyn Plain + 'a>>>, most: u64 },
+    Packed { stream: Box<BufReader<MultiGzDecoder<Box<dyn Plain + 'a>>>>, most: u64 },
 }
 
 /// How many bytes a source still has.
@@ -62,10 +62,8 @@ impl<'a> Source<'a> {
         if unpack && plain.fill_buf()?.starts_with(&GZIP_MAGIC) {
             let mut plain: Box<dyn Plain + 'a> = Box::new(plain);
             let most = Left::Exactly(length(&mut plain)?).inflated().most();
-            return Ok(Source(Kind::Packed {
-                stream: BufReader::with_capacity(1 << 16, MultiGzDecoder::new(plain)),
-                most,
-            }));
+            let stream = Box::new(BufReader::with_capacity(1 << 16, MultiGzDecoder::new(plain)));
+            return Ok(Source(Kind::Packed { stream, most }));
         }
         Ok(Source(Kind::Plain(Box::new(plain))))
     }

@@ -304,37 +304,45 @@ impl Job<'_> {
         convert: &impl Fn(T) -> Option<S>,
     ) -> Result<(), VolumeError> {
         let [nx, ny, _] = block.size;
+        let sources = [1, nx, nx * ny];
         let from = (0..3).map(|a| block.from[a] as isize * strides[a]).sum::<isize>() + first as isize;
-        let mut voxel = |[x, y, z]: [usize; 3]| {
-            let number = numbers[(z * ny + y) * nx + x];
-            let at = from + x as isize * strides[0] + y as isize * strides[1] + z as isize * strides[2];
-            samples[at as usize] = convert(number).ok_or_else(|| {
-                let [dx, dy, _] = self.layout.dims;
-                let [i, j, k] = [0, 1, 2].map(|a| block.from[a] + [x, y, z][a]);
-                let index = (k * dy + j) * dx + i;
-                self.layout.does_not_fit(&number.double().to_string(), index as u64, self.place)
-            })?;
-            Ok::<(), VolumeError>(())
+        let bad = |source: usize| {
+            let at = [source % nx, source / nx % ny, source / nx / ny];
+            let [dx, dy, _] = self.layout.dims;
+            let [i, j, k] = [0, 1, 2].map(|a| block.from[a] + at[a]);
+            let index = (k * dy + j) * dx + i;
+            self.layout.does_not_fit(&numbers[source].double().to_string(), index as u64, self.place)
         };
         // The innermost loop goes along the axis whose samples lie side by side.
         let fast = strides.iter().position(|s| s.abs() == 1).unwrap_or(0);
-        let [a, b] = match fast {
-            0 => [1, 2],
-            1 => [0, 2],
-            _ => [0, 1],
-        };
-        let at = |fast_at: usize, a_at: usize, b_at: usize| {
-            let mut at = [0; 3];
-            (at[fast], at[a], at[b]) = (fast_at, a_at, b_at);
-            at
-        };
-        let (tile, last) = if fast == 0 { (usize::MAX, nx) } else { (TILE, block.size[fast]) };
+        let [a, b] = [[1, 2], [0, 2], [0, 1]][fast];
+        let tile = if fast == 0 { nx } else { TILE };
         for b_at in 0..block.size[b] {
-            for a_tile in (0..block.size[a]).step_by(TILE) {
-                for tile_from in (0..last).step_by(tile.min(last)) {
-                    for a_at in a_tile..block.size[a].min(a_tile + TILE) {
-                        for fast_at in tile_from..last.min(tile_from.saturating_add(tile)) {
-                            voxel(at(fast_at, a_at, b_at))?;
+            for a_from in (0..block.size[a]).step_by(TILE) {
+                for fast_from in (0..block.size[fast]).step_by(tile) {
+                    let length = tile.min(block.size[fast] - fast_from);
+                    for a_at in a_from..block.size[a].min(a_from + TILE) {
+                        let source = b_at * sources[b] + a_at * sources[a] + fast_from * sources[fast];
+                        let to = from
+                            + b_at as isize * strides[b]
+                            + a_at as isize * strides[a]
+                            + fast_from as isize * strides[fast];
+                        let run = numbers[source..].iter().step_by(sources[fast]).take(length);
+                        let put = |(number, sample): (&T, &mut S)| match convert(*number) {
+                            Some(converted) => {
+                                *sample = converted;
+                                true
+                            }
+                            None => false,
+                        };
+                        let stopped = if strides[fast] > 0 {
+                            run.zip(&mut samples[to as usize..][..length]).position(|pair| !put(pair))
+                        } else {
+                            let until = to as usize + 1;
+                            run.zip(samples[until - length..until].iter_mut().rev()).position(|pair| !put(pair))
+                        };
+                        if let Some(stopped) = stopped {
+                            return Err(bad(source + stopped * sources[fast]));
                         }
                     }
                 }

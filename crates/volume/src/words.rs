@@ -5,6 +5,7 @@ use std::fmt;
 use rayon::prelude::*;
 
 use crate::error::show_dims;
+use crate::readable;
 use crate::volume::check_grid;
 use crate::{Sample, Samples, Volume, VolumeError, with_samples};
 
@@ -91,7 +92,10 @@ impl fmt::Display for ConversionReport {
         writeln!(
             f,
             "window {} to {} -> {}-bit words, {} words per unit, {rounding}",
-            self.window[0], self.window[1], self.bits, self.scale
+            readable(self.window[0]),
+            readable(self.window[1]),
+            self.bits,
+            readable(self.scale)
         )?;
         write!(
             f,

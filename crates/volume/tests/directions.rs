@@ -5,6 +5,9 @@ use cube3_volume::{
 };
 use proptest::prelude::*;
 
+/// Puts bytes into a header, at a place.
+type Put<'a> = &'a mut dyn FnMut(usize, &[u8]);
+
 /// A number for each voxel of a grid that is stored in the world's order, x fastest.
 fn world_value([nx, ny, _]: [usize; 3], [x, y, z]: [usize; 3]) -> u16 {
     ((z * ny + y) * nx + x) as u16
@@ -90,12 +93,7 @@ fn metaimage(dims: [usize; 3], order: AxisOrder) -> Vec<u8> {
 }
 
 /// A NIfTI-1 header and what follows it; `sform` or a quaternion with its handedness.
-fn nifti(
-    sizes: [usize; 3],
-    spacing: [f64; 3],
-    numbers: &[u8],
-    place: &dyn Fn(&mut dyn FnMut(usize, &[u8])),
-) -> Vec<u8> {
+fn nifti(sizes: [usize; 3], spacing: [f64; 3], numbers: &[u8], place: &dyn Fn(Put)) -> Vec<u8> {
     let mut file = vec![0; 352];
     let mut put = |at: usize, bytes: &[u8]| file[at..at + bytes.len()].copy_from_slice(bytes);
     put(0, &348i32.to_le_bytes());

@@ -5,6 +5,9 @@ use std::path::Path;
 
 use cube3_volume::{Format, ReadOptions, SampleType, Space, Volume, VolumeError, inspect, read, read_bytes};
 
+/// Puts bytes into a header, at a place.
+type Put<'a> = &'a mut dyn FnMut(usize, &[u8]);
+
 /// Numbers 0, 1, 2 … as little-endian i16.
 fn numbers(count: i16) -> Vec<u8> {
     (0..count).flat_map(i16::to_le_bytes).collect()
@@ -34,7 +37,7 @@ fn gzip(bytes: &[u8]) -> Vec<u8> {
 }
 
 /// A NIfTI-1 of i16 with these sizes; fields are put in by `change`.
-fn nifti(sizes: &[i16], data: &[u8], change: &dyn Fn(&mut dyn FnMut(usize, &[u8]))) -> Vec<u8> {
+fn nifti(sizes: &[i16], data: &[u8], change: &dyn Fn(Put)) -> Vec<u8> {
     let mut file = vec![0; 352];
     let mut put = |at: usize, bytes: &[u8]| file[at..at + bytes.len()].copy_from_slice(bytes);
     put(0, &348i32.to_le_bytes());
@@ -52,11 +55,7 @@ fn nifti(sizes: &[i16], data: &[u8], change: &dyn Fn(&mut dyn FnMut(usize, &[u8]
     [file, data.to_vec()].concat()
 }
 
-fn nifti_volume(
-    sizes: &[i16],
-    data: &[u8],
-    change: &dyn Fn(&mut dyn FnMut(usize, &[u8])),
-) -> Result<Volume, VolumeError> {
+fn nifti_volume(sizes: &[i16], data: &[u8], change: &dyn Fn(Put)) -> Result<Volume, VolumeError> {
     read_bytes(&nifti(sizes, data, change), Some(Format::Nifti), "t.nii", &ReadOptions::default())
 }
 

@@ -52,7 +52,7 @@ impl Arguments {
     }
 }
 
-/// Options for files that do not say what they hold.
+/// Options for files that do not say what they hold, or hold several volumes.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct RawArguments {
     /// Size of a raw file, e.g. 256x256x99.
@@ -70,6 +70,9 @@ pub struct RawArguments {
     /// Bytes before the voxels of a raw file.
     #[arg(long, value_name = "BYTES")]
     skip: Option<u64>,
+    /// Which volume of a file that holds a series, from 0.
+    #[arg(long, value_name = "N")]
+    time: Option<usize>,
 }
 
 impl RawArguments {
@@ -99,7 +102,8 @@ impl RawArguments {
                 ));
             }
         };
-        Ok(cube3_volume::ReadOptions { raw, ..cube3_volume::ReadOptions::default() })
+        let frame = self.time.unwrap_or(0);
+        Ok(cube3_volume::ReadOptions { raw, frame, ..cube3_volume::ReadOptions::default() })
     }
 }
 

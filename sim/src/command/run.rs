@@ -14,7 +14,7 @@ use crate::trace::{Format, Window};
 use clap::{Args, Parser, ValueEnum};
 use cube3_host::{AcquisitionMode, GradientMethod, MachineSpec, RayEnds, RaySlots, TemplateRule};
 use cube3_report::table;
-use cube3_scene::{Mode, Path, Perspective, Scene, View, VolumeSource};
+use cube3_scene::{FileAxes, Mode, Path, Perspective, Scene, View, VolumeSource};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -291,13 +291,14 @@ impl RunArguments {
     fn scene(&self) -> Outcome<Scene> {
         let mut scene = inputs::scene(self.scene.as_deref())?;
         if !self.volume.is_empty() {
-            let window = scene.volume.window;
+            let (window, axes) = (scene.volume.window, scene.volume.axes);
             let source = match self.volume.as_slice() {
                 [file] => VolumeSource::from_file(file),
                 files => VolumeSource::from_files(files.to_vec()),
             };
-            scene.volume = VolumeSource { window, ..source };
+            scene.volume = VolumeSource { window, axes, ..source };
         }
+        scene.volume.time = self.raw.time.or(scene.volume.time);
         if self.phantom.is_some() || self.size.is_some() {
             if self.phantom.is_none() && scene.volume.phantom.is_none() {
                 return Err(Problem::new(
@@ -307,7 +308,7 @@ impl RunArguments {
             if self.phantom.is_some() && self.phantom != scene.volume.phantom {
                 (scene.volume.phase, scene.volume.phase_per_frame) = (None, None);
             }
-            scene.volume.file = None;
+            (scene.volume.file, scene.volume.axes, scene.volume.time) = (None, FileAxes::default(), self.raw.time);
             scene.volume.files = Vec::new();
             scene.volume.phantom = self.phantom.clone().or(scene.volume.phantom);
             scene.volume.size_voxels = self.size.or(scene.volume.size_voxels);

@@ -68,7 +68,8 @@ impl SceneArguments {
             default(&mut scene);
         }
         if let Some(file) = &self.volume {
-            scene.volume = VolumeSource { window: scene.volume.window, ..VolumeSource::from_file(file) };
+            let (window, axes) = (scene.volume.window, scene.volume.axes);
+            scene.volume = VolumeSource { window, axes, ..VolumeSource::from_file(file) };
         }
         if self.phantom.is_some() || self.size.is_some() {
             if self.phantom.is_none() && scene.volume.phantom.is_none() {

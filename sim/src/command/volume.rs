@@ -7,7 +7,7 @@ use crate::progress::Waiting;
 use clap::{Args, Subcommand};
 use cube3_volume::{
     Filter, Format, NewGrid, NonFiniteRule, Ordering, Packing, Phantom, PhantomParams, ReadOptions, Resampling,
-    SampleType, Samples, Space, Volume, WordConversion, inspect, read, resample, write_packed,
+    SampleType, Samples, Space, Volume, WordConversion, inspect, read, readable, resample, write_packed,
 };
 use std::path::{Path, PathBuf};
 
@@ -77,6 +77,9 @@ enum VolumeCommand {
         /// Value outside of the data; the least one without it.
         #[arg(long, requires = "straight", allow_negative_numbers = true)]
         outside: Option<f64>,
+        /// Which volume of a file that holds a series, from 0.
+        #[arg(long, value_name = "N")]
+        time: Option<usize>,
     },
     /// A volume from a closed form.
     Phantom {
@@ -140,7 +143,7 @@ impl VolumeArguments {
                 };
                 save(&to, &volume, if uncompressed { Packing::Plain } else { Packing::Compressed })
             }
-            VolumeCommand::Resample { from, to, cubes: _, spacing, size, straight, filter, outside } => {
+            VolumeCommand::Resample { from, to, cubes: _, spacing, size, straight, filter, outside, time } => {
                 if Format::of_path(&from) == Some(Format::Raw) {
                     return Err(Problem::new(format!(
                         "{0}: a raw file does not say how far apart its voxels are; convert it first, \
@@ -154,7 +157,8 @@ impl VolumeArguments {
                     _ => NewGrid::Cubes,
                 };
                 let how = Resampling { grid, straight, filter, outside, ..Resampling::default() };
-                let volume = resampled(&read(&from, &ReadOptions::default())?, &how)?;
+                let options = ReadOptions { frame: time.unwrap_or(0), ..ReadOptions::default() };
+                let volume = resampled(&read(&from, &options)?, &how)?;
                 save(&to, &volume, Packing::Compressed)
             }
             VolumeCommand::Phantom { name, size, radius, ramp, centre, period, phase, out } => {
@@ -177,7 +181,7 @@ fn to_words(volume: &Volume, bits: u32, window: Option<[f64; 2]>) -> Outcome<Vol
 fn resampled(volume: &Volume, how: &Resampling) -> Outcome<Volume> {
     let (new, report) = resample(volume, how)?;
     let grid = |volume: &Volume| {
-        let ([x, y, z], [sx, sy, sz]) = (volume.dims, volume.spacing);
+        let ([x, y, z], [sx, sy, sz]) = (volume.dims, volume.spacing.map(readable));
         format!("{x} × {y} × {z} at {sx} × {sy} × {sz}")
     };
     let mut text = format!("{} -> {}, {}\n", grid(volume), grid(&new), how.filter);

@@ -26,8 +26,10 @@ pub fn report() -> RunReport {
             dims: [128, 128, 128],
             spacing: [1.0, 1.0, 1.0],
             conversion: json!({"window": [0.0, 1.0], "bits": 16, "rounding": "nearest"}),
+            axes: None,
         },
         view: ViewReport {
+            sides: None,
             major_axis: "z".into(),
             flips: [false, true, false],
             slopes: [0.577_350_269_189_625_8, 0.141_775],
