@@ -214,10 +214,10 @@ fn sizes_keep_the_ends_and_spacings_the_origin() {
     // 5 mm hold 7 steps of 0.7, and 224 mm 896 of 0.25; the single voxel stays.
     assert_eq!((new.dims, new.spacing, new.origin), ([8, 1, 897], [0.7, 3.0, 0.25], volume.origin));
     assert!(report.coarser);
-    // A tenth of 0.3 is a third: the last step is not lost to rounding.
-    let thirds = Volume::from_fn([8, 2, 2], [0.3; 3], |x, _, _| x as f32).unwrap();
-    let (new, _) = resample(&thirds, &how(NewGrid::Spacing([0.1, 0.3, 0.3]), Filter::Linear)).unwrap();
-    assert_eq!((new.dims, new.value(21, 0, 0)), ([22, 2, 2], 7.0));
+    // 3·0.7/0.1 is 20.999999999999996: the last step is not lost to rounding.
+    let sevenths = Volume::from_fn([4, 2, 2], [0.7; 3], |x, _, _| x as f32).unwrap();
+    let (new, _) = resample(&sevenths, &how(NewGrid::Spacing([0.1, 0.7, 0.7]), Filter::Linear)).unwrap();
+    assert_eq!((new.dims, new.value(21, 0, 0)), ([22, 2, 2], 3.0));
 }
 
 #[test]
@@ -378,6 +378,12 @@ fn a_hole_stays_a_hole_with_the_linear_filter_and_is_refused_by_the_cubic_one() 
         let beside = x.abs_diff(4) < 2 && y.abs_diff(2) < 2 && z.abs_diff(2) < 2;
         assert_eq!(new.value(x, y, z).is_nan(), beside, "({x}, {y}, {z})");
     }
+    // 7 times 0.1/0.7 is 1.0000000000000002: that is voxel 1 all the same, and nothing of voxel 2.
+    let samples = Samples::F64(vec![4.0, 5.0, f64::NAN, 6.0]);
+    let line = Volume::new([4, 1, 1], [0.7, 1.0, 1.0], samples).unwrap();
+    let (new, _) = resample(&line, &how(NewGrid::Spacing([0.1, 1.0, 1.0]), Filter::Linear)).unwrap();
+    assert_eq!([0, 7, 21].map(|x| new.value(x, 0, 0)), [4.0, 5.0, 6.0]);
+    assert_eq!((8..21).filter(|&x| new.value(x, 0, 0).is_nan()).count(), 13);
 }
 
 #[test]
