@@ -54,4 +54,4 @@ pub use thickness::thick_dims;
 pub use volume::Volume;
 pub use words::{ConversionReport, NonFiniteRule, VoxelWords, WordConversion, WordRounding};
 pub use world::{AxisOrder, LeftOver, Ordering, Space, World, letter};
-pub use write::{Packing, write, write_packed, write_raw};
+pub use write::{Packing, check_name, write, write_packed, write_raw};

@@ -57,6 +57,15 @@ impl Target {
     }
 }
 
+/// Whether [`write()`] knows the format that a file's name stands for, before there is anything to write.
+///
+/// # Errors
+///
+/// [`VolumeError::Unsupported`] with a name that it knows.
+pub fn check_name(path: impl AsRef<Path>) -> Result<(), VolumeError> {
+    Target::of_path(path.as_ref()).map(|_| ())
+}
+
 /// Writes a volume in the format that the file's name stands for: `.nrrd`, `.nii`, `.nii.gz`, `.mha`, compressed where the
 /// format can be, or `.raw` (numbers alone). Numbers are little-endian.
 ///

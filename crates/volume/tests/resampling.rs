@@ -123,11 +123,10 @@ fn dense_coefficients(samples: &[f64]) -> Vec<f64> {
         }
     }
     for i in 0..n {
-        for j in i + 1..n {
-            let factor = rows[j][i] / rows[i][i];
-            for c in i..=n {
-                rows[j][c] -= factor * rows[i][c];
-            }
+        let pivot = rows[i].clone();
+        for row in &mut rows[i + 1..] {
+            let factor = row[i] / pivot[i];
+            row.iter_mut().zip(&pivot).for_each(|(number, above)| *number -= factor * above);
         }
     }
     let mut coefficients = vec![0.0; n];

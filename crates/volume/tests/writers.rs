@@ -1,8 +1,8 @@
 //! What is written is read back, and what was there is never lost.
 
 use cube3_volume::{
-    Endian, Ordering, Packing, RawLayout, ReadOptions, SampleType, Samples, Space, Volume, World, read, write,
-    write_packed, write_raw,
+    Endian, Ordering, Packing, RawLayout, ReadOptions, SampleType, Samples, Space, Volume, World, check_name, read,
+    write, write_packed, write_raw,
 };
 
 /// A volume of the type, with its extremes, at awkward spacing.
@@ -88,6 +88,10 @@ fn names_of_two_files_are_refused_with_the_one_that_is_written() {
     for (name, instead) in names {
         let error = write(folder.path().join(name), &volume(SampleType::U8)).unwrap_err().to_string();
         assert!(error.contains(name) && error.ends_with(&format!("give a name that ends in {instead}")), "{error}");
+        assert_eq!(
+            check_name(name).unwrap_err().to_string().split_once(": ").unwrap().1,
+            error.split_once(": ").unwrap().1
+        );
     }
     let error = write_packed(folder.path().join("v.nii.gz"), &volume(SampleType::U8), Packing::Plain).unwrap_err();
     assert!(error.to_string().ends_with("give a name that ends in .nii"), "{error}");

@@ -7,7 +7,7 @@ use crate::progress::Waiting;
 use clap::{Args, Subcommand};
 use cube3_volume::{
     Filter, Format, NewGrid, NonFiniteRule, Ordering, Packing, Phantom, PhantomParams, ReadOptions, Resampling,
-    SampleType, Samples, Space, Volume, WordConversion, inspect, read, readable, resample, write_packed,
+    SampleType, Samples, Space, Volume, WordConversion, check_name, inspect, read, readable, resample, write_packed,
 };
 use std::path::{Path, PathBuf};
 
@@ -131,6 +131,7 @@ impl VolumeArguments {
                 info("phantom head", &Phantom::Head.generate(128, &PhantomParams::default())?)
             }
             VolumeCommand::Convert { from, to, raw, bits, window, uncompressed, ras } => {
+                check_name(&to)?;
                 let mut options = raw.read_options()?;
                 // Where no world is known, an axis of negative spacing is the one thing that is turned: no file keeps that.
                 if !ras && inspect(&from, &options)?.world.space != Space::Unknown {
@@ -144,6 +145,7 @@ impl VolumeArguments {
                 save(&to, &volume, if uncompressed { Packing::Plain } else { Packing::Compressed })
             }
             VolumeCommand::Resample { from, to, cubes: _, spacing, size, straight, filter, outside, time } => {
+                check_name(&to)?;
                 if Format::of_path(&from) == Some(Format::Raw) {
                     return Err(Problem::new(format!(
                         "{0}: a raw file does not say how far apart its voxels are; convert it first, \
@@ -162,9 +164,10 @@ impl VolumeArguments {
                 save(&to, &volume, Packing::Compressed)
             }
             VolumeCommand::Phantom { name, size, radius, ramp, centre, period, phase, out } => {
+                let out = out.unwrap_or_else(|| PathBuf::from(format!("{name}.nrrd")));
+                check_name(&out)?;
                 let params = PhantomParams { radius, ramp, centre, period, phase };
                 let volume = name.parse::<Phantom>()?.generate(size, &params)?;
-                let out = out.unwrap_or_else(|| PathBuf::from(format!("{name}.nrrd")));
                 save(&out, &volume, Packing::Compressed)
             }
         }
