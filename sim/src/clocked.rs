@@ -3,7 +3,7 @@
 use crate::checkpoint::{self, CheckpointError, Identity};
 use crate::fidelity::Fidelity;
 use crate::machine::{Machine, RunError};
-use crate::output::write_whole;
+use crate::output::{write_waveform, write_whole};
 use crate::problem::Outcome;
 use crate::trace::{Format, Recorder, Recording, TraceError, Window};
 use std::path::PathBuf;
@@ -121,6 +121,15 @@ fn write_trace(stops: &Stops, recording: Option<&Recording>) -> Outcome<Option<S
     let (Some(TraceRequest { path, format, .. }), Some(recording)) = (&stops.trace, recording) else {
         return Ok(None);
     };
+    let told = format!("the trace of cycles {} to {} is in {}", recording.from(), recording.to(), path.display());
+    if *format == Format::Fst {
+        write_waveform(path, &recording.waveform()?)?;
+        let [gtkwave, surfer] = ["gtkw", "sucl"].map(|extension| path.with_extension(extension).display().to_string());
+        return Ok(Some(format!(
+            "{told}; open it with `gtkwave {gtkwave}` or `surfer -c {surfer} {}`",
+            path.display()
+        )));
+    }
     write_whole(path, &recording.write(*format)?)?;
-    Ok(Some(format!("the trace of cycles {} to {} is in {}", recording.from(), recording.to(), path.display())))
+    Ok(Some(told))
 }

@@ -8,6 +8,7 @@ use cube3_host::MachineSpec;
 use cube3_metrics::Picture;
 use cube3_report::{Figure, html, png_rgb8, to_json, to_rgb8};
 use cube3_scene::Scene;
+use cube3_vectors::waveform::Waveform;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -106,6 +107,17 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Outcome<()> {
     replace(path, bytes).map_err(|error| {
         Problem::new(format!("{}: {error}; give a file in a folder that can be written", path.display()))
     })
+}
+
+/// Writes a waveform as [`write_whole`] does, and beside it how GTKWave (`.gtkw`) and Surfer (`.sucl`) show it.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_waveform(path: &Path, waveform: &Waveform) -> Outcome<()> {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    write_whole(path, &waveform.fst)?;
+    write_whole(&path.with_extension("gtkw"), waveform.gtkwave(&name).as_bytes())?;
+    write_whole(&path.with_extension("sucl"), waveform.surfer().as_bytes())
 }
 
 /// Writes beside the file first, so that it appears at once.

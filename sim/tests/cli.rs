@@ -342,7 +342,9 @@ fn a_device_is_held_against_vectors() {
     let shown = text(&output.stdout);
     assert!(shown.contains("wires of the definition") && shown.contains("* rgba[3]"), "{shown}");
     assert_eq!(text(&output.stderr).trim_end().lines().count(), 1);
-    assert!(folder.path().join("o/node.fst").metadata().unwrap().len() > 0);
+    for name in ["node.fst", "node.gtkw", "node.sucl"] {
+        assert!(folder.path().join("o").join(name).metadata().unwrap().len() > 0, "{name}");
+    }
     // Paths are quoted for the shell, and what they hold is not filled in again.
     let arguments = ["verify", "--vectors", "v/node.hex", "--dut", right, "--out", "o's %d"];
     assert!(cube3(folder.path(), &arguments).status.success());

@@ -220,7 +220,7 @@ fn a_series_in_one_file_plays_as_one_in_several() {
         ],
     );
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let frame = |out: &str, frame: usize| bytes(at, &format!("{out}/frames/frame-{frame:05}.png"));
+    let frame = |out: &str, frame: usize| bytes(at, &format!("{out}/frames/frame_{frame:04}.png"));
     let frames: Vec<Vec<u8>> = (0..3).map(|i| frame("one", i)).collect();
     assert!(frames[0] != frames[1] && frames[1] != frames[2]);
     for (i, picture) in frames.iter().enumerate() {

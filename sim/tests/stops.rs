@@ -47,9 +47,17 @@ fn a_window_is_traced_in_each_format_and_fidelity_and_changes_nothing() {
             files.push(std::fs::read(path.join(name)).unwrap());
         }
         assert!(files[0] == files[1] && files[1] == files[2], "{name} is of the machine, not of the fidelity");
+        // Beside a waveform, and only there, is how viewers show it.
+        for viewer in ["t.gtkw", "t.sucl"].map(|viewer| path.join(viewer)) {
+            assert_eq!(viewer.exists(), name == "t.fst", "{}", viewer.display());
+            if viewer.exists() {
+                assert!(std::fs::read_to_string(&viewer).unwrap().contains("cube3.cfb.kind"));
+                std::fs::remove_file(viewer).unwrap();
+            }
+        }
     }
     let wave = wellen::simple::read(path.join("t.fst")).unwrap();
-    assert_eq!(wave.time_table().len(), 1 + 2 * 40 + 1, "0, two edges a cycle, and the end");
+    assert_eq!(wave.time_table().len(), 2 * 40 + 1, "two edges a cycle, and the end");
     let end = plain["timing"]["cycles"].as_u64().unwrap();
     let told = succeeds(path, &["--trace", "end.kanata", "--from", &(end - 5).to_string(), "--to", "999999"]);
     assert!(told.contains(&format!("the trace ends with the run, at cycle {end}, before --to 999999")), "{told}");

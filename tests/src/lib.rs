@@ -5,6 +5,7 @@ pub mod rtl;
 pub mod rtl_vectors;
 
 pub mod rtl_pipeline;
+pub mod waves;
 
 use cube3_host::{
     Abc, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, GradientMethod, HostLink, Layout,

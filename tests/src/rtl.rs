@@ -53,7 +53,11 @@ pub fn require(tool: &str) -> Option<PathBuf> {
     static MISSED: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
     let found = find(tool);
     if found.is_none() {
-        let package = if tool == "vvp" { "iverilog" } else { tool };
+        let package = match tool {
+            "vvp" => "iverilog",
+            "fst2vcd" => "gtkwave",
+            tool => tool,
+        };
         let missing = format!("{tool} is not installed; install it with apt-get install {package}");
         assert!(!env::var(REQUIRE_TOOLS).is_ok_and(|value| value == "1"), "{missing}");
         let first = MISSED.lock().is_ok_and(|mut missed| missed.insert(tool.to_owned()));

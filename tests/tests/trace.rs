@@ -9,6 +9,7 @@ use cube3::trace::{Events, Format, Recorder, Recording, Token, TokenKind, Window
 use cube3_channel::{Account, Activity};
 use cube3_host::{FrameSetup, Frames, MachineSpec, frame_setup};
 use cube3_scene::{Scene, VolumeSource};
+use cube3_tests::waves::Waves;
 use cube3_tests::{SmallVolume, machines, scenes, volumes};
 use cube3_volume::ReadOptions;
 use proptest::prelude::*;
@@ -65,41 +66,10 @@ fn window(cycles: u64, fractions: [f64; 2]) -> [u64; 2] {
     [ends[0], ends[1].max(ends[0] + 1).min(cycles)]
 }
 
-/// A waveform's values by variable, each with the times of its changes.
-struct Waves {
-    wave: wellen::simple::Waveform,
-    signals: HashMap<String, wellen::SignalRef>,
-}
-
-impl Waves {
-    fn read(bytes: Vec<u8>) -> Waves {
-        let mut wave = wellen::simple::read_from_reader(std::io::Cursor::new(bytes)).unwrap();
-        let hierarchy = wave.hierarchy();
-        let signals: HashMap<String, wellen::SignalRef> = hierarchy
-            .all_vars()
-            .map(|var| (hierarchy[var].full_name(hierarchy), hierarchy[var].signal_ref()))
-            .collect();
-        let all: Vec<wellen::SignalRef> = signals.values().copied().collect();
-        wave.load_signals(&all);
-        Waves { wave, signals }
-    }
-
-    /// The bits of a variable at a place of the time table.
-    fn bits(&self, name: &str, place: usize) -> String {
-        let signal = self.wave.get_signal(self.signals[name]).unwrap();
-        let offset = signal.get_offset(place as wellen::TimeTableIdx).unwrap();
-        signal.get_value_at(&offset, 0).to_string()
-    }
-
-    /// A word, or none where its bits are unknown.
-    fn word(&self, name: &str, place: usize) -> Option<u64> {
-        u64::from_str_radix(&self.bits(name, place), 2).ok()
-    }
-
-    fn token(&self, channel: &str, way: &str, kind: TokenKind, place: usize) -> Option<Token> {
-        let field = |name: &str| self.word(&format!("cube3.{channel}.{way}_{name}"), place).map(|word| word as u32);
-        Some(Token { frame: field("frame")?, plane: field("plane")?, place: field(kind.place())? })
-    }
+/// A token of a waveform, where there is one.
+fn token(waves: &Waves, channel: &str, way: &str, kind: TokenKind, place: usize) -> Option<Token> {
+    let field = |name: &str| waves.word(&format!("cube3.{channel}.{way}_{name}"), place).map(|word| word as u32);
+    Some(Token { frame: field("frame")?, plane: field("plane")?, place: field(kind.place())? })
 }
 
 proptest! {
@@ -145,26 +115,18 @@ proptest! {
     fn a_waveform_holds_every_event((machine, setups, fractions) in runs()) {
         let [from, to] = window(cycles(&machine, &setups).cycles, fractions);
         let (recording, _) = traced(&machine, &setups, from, to);
-        let waves = Waves::read(recording.write(Format::Fst).unwrap());
-        let timescale = waves.wave.hierarchy().timescale().unwrap();
-        let unit = f64::from(timescale.factor) * 10_f64.powi(i32::from(timescale.unit.to_exponent().unwrap()));
-        let times = waves.wave.time_table().to_vec();
-        // A waveform begins at 0, where a later window has nothing to tell yet.
-        let before = usize::from(from > 0);
-        prop_assert_eq!(times.len() as u64, before as u64 + 2 * (to - from) + 1, "two edges a cycle, and the end");
-        for (events, place) in events(&recording).iter().zip((before..).step_by(2)) {
-            let seconds = times[place] as f64 * unit;
+        let waves = Waves::by_wellen(recording.write(Format::Fst).unwrap());
+        prop_assert_eq!(waves.times.len() as u64, 2 * (to - from) + 1, "two edges a cycle, and the end");
+        for (events, place) in events(&recording).iter().zip((0..).step_by(2)) {
+            let seconds = waves.seconds(place);
             let exact = events.cycle as f64 / machine.clock_hz;
             prop_assert!((seconds - exact).abs() <= 1e-3 / machine.clock_hz, "{} s for {} s", seconds, exact);
-            prop_assert_eq!((waves.bits("cube3.clock", place), waves.bits("cube3.clock", place + 1)), ("1".into(), "0".into()));
+            prop_assert_eq!((waves.bits("cube3.clock", place), waves.bits("cube3.clock", place + 1)), ("1", "0"));
             for (i, name) in recording.units().into_iter().enumerate() {
                 let scope = name.replace('.', "_");
                 let activity = waves.word(&format!("cube3.{scope}.activity"), place).unwrap();
                 prop_assert_eq!(Activity::from_code(activity as u8), Some(events.activities[i]));
-                let letters = waves.bits(&format!("cube3.{scope}.kind"), place);
-                let letters = (0..letters.len() / 8).map(|i| u8::from_str_radix(&letters[8 * i..8 * i + 8], 2).unwrap() as char);
-                let letters: String = letters.collect();
-                prop_assert_eq!(letters.trim(), events.activities[i].name());
+                prop_assert_eq!(waves.text(&format!("cube3.{scope}.kind"), place), events.activities[i].name());
             }
             for (i, track) in recording.tracks().iter().enumerate() {
                 let (channel, kind) = (track.joint.channel, track.joint.tokens);
@@ -172,8 +134,8 @@ proptest! {
                 prop_assert_eq!(word("occupancy"), Some(events.occupancy[i] as u64));
                 prop_assert_eq!(word("push"), Some(u64::from(events.pushed[i].is_some())));
                 prop_assert_eq!(word("pop"), Some(u64::from(events.popped[i].is_some())));
-                prop_assert_eq!(waves.token(channel, "pushed", kind, place), events.pushed[i]);
-                prop_assert_eq!(waves.token(channel, "popped", kind, place), events.popped[i]);
+                prop_assert_eq!(token(&waves, channel, "pushed", kind, place), events.pushed[i]);
+                prop_assert_eq!(token(&waves, channel, "popped", kind, place), events.popped[i]);
             }
         }
     }

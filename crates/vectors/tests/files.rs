@@ -1,9 +1,8 @@
 //! Vector files and answers: what is written is read again, and what is wrong is told.
 
 use cube3_vectors::compare::{Mismatch, explain, first_mismatch};
-use cube3_vectors::{
-    FileError, Format, Responses, ResponsesError, Table, Unit, VectorFile, Vectors, testbench, units, waveform,
-};
+use cube3_vectors::waveform::around_mismatch;
+use cube3_vectors::{FileError, Format, Responses, ResponsesError, Table, Unit, VectorFile, Vectors, testbench, units};
 use wellen::simple::read_from_reader;
 
 fn unit(name: &str) -> Box<dyn Unit> {
@@ -138,8 +137,8 @@ fn the_waveform_shows_the_lines_around_a_mismatch() {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     lines[20] = "zzzz".into();
     let responses = Responses::parse(&lines.join("\n"), &vectors).unwrap();
-    let bytes = waveform::write(unit.as_ref(), &vectors, &responses, 10..30).unwrap();
-    let mut wave = read_from_reader(std::io::Cursor::new(bytes)).unwrap();
+    let waveform = around_mismatch(unit.as_ref(), &vectors, &responses, 10..30).unwrap();
+    let mut wave = read_from_reader(std::io::Cursor::new(waveform.fst)).unwrap();
     let mut value = |name: &str, line: usize| {
         let mut path: Vec<&str> = vec!["trilin"];
         path.extend(name.split('/'));

@@ -2,6 +2,7 @@
 //!
 //! <https://nifti.nimh.nih.gov>: nifti1.h, nifti2.h. The world is that of sform where its code is above 0, else that of qform
 //! where its code is above 0, else not known. Spacing is the length of a step in that world, or `pixdim`, whose sign means nothing.
+//! Lengths in metres or microns (`xyzt_units`) become mm.
 //! Analyze 7.5 has neither, and says nothing of the sides of a patient that its writers agree on.
 //!
 //! Where the header scales (slope neither 0 nor NaN, and slope ≠ 1 or intercept ≠ 0) the samples become f32, or f64 from 32-bit
@@ -115,12 +116,31 @@ impl Header {
         }
     }
 
+    /// Millimetres of the header's unit of space; a millimetre where it names none.
+    fn unit_mm(&self) -> f64 {
+        let units = match self.version {
+            Version::Analyze => 0,
+            Version::One => i32::from(self.bytes[123]),
+            Version::Two => self.i32(500),
+        };
+        match units & 7 {
+            1 => 1000.0,
+            3 => 0.001,
+            _ => 1.0,
+        }
+    }
+
     fn dim(&self, axis: usize) -> i64 {
         if self.version == Version::Two { self.i64(16 + 8 * axis) } else { self.i16(40 + 2 * axis).into() }
     }
 
+    /// A length in the header's unit, in mm.
+    fn length(&self, at: At) -> f64 {
+        self.real(at) * self.unit_mm()
+    }
+
     fn pixdim(&self, axis: usize) -> f64 {
-        self.real((76 + 4 * axis, 104 + 8 * axis))
+        self.length((76 + 4 * axis, 104 + 8 * axis))
     }
 }
 
@@ -341,7 +361,7 @@ fn placed(header: &Header, dims: [usize; 3], place: &Place, remarks: &mut Vec<St
 
 /// The steps along the axes, and the place of the first voxel.
 fn sform(header: &Header) -> ([[f64; 3]; 3], [f64; 3]) {
-    let row = |r: usize| [0, 1, 2, 3].map(|c| header.real((280 + 16 * r + 4 * c, 400 + 32 * r + 8 * c)));
+    let row = |r: usize| [0, 1, 2, 3].map(|c| header.length((280 + 16 * r + 4 * c, 400 + 32 * r + 8 * c)));
     let rows = [row(0), row(1), row(2)];
     ([0, 1, 2].map(|a| rows.map(|row| row[a])), rows.map(|row| row[3]))
 }
@@ -364,5 +384,5 @@ fn qform(header: &Header) -> ([[f64; 3]; 3], [f64; 3]) {
         [2.0 * (b * c - a * d), a * a + c * c - b * b - d * d, 2.0 * (c * d + a * b)],
         [hand * 2.0 * (b * d + a * c), hand * 2.0 * (c * d - a * b), hand * (a * a + d * d - b * b - c * c)],
     ];
-    (columns, [0, 1, 2].map(|i| header.real((268 + 4 * i, 376 + 8 * i))))
+    (columns, [0, 1, 2].map(|i| header.length((268 + 4 * i, 376 + 8 * i))))
 }

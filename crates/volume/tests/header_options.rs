@@ -313,3 +313,18 @@ fn sform_counts_before_qform_and_places_the_voxels_where_pixdim_disagrees() {
     let tenth = nifti_volume(&[4, 3, 2], &numbers(24), &|put| put(80, &0.7f32.to_le_bytes())).unwrap();
     assert_eq!(tenth.spacing[0], 0.7);
 }
+
+#[test]
+fn lengths_of_nifti_in_metres_and_microns_become_millimetres() {
+    for (unit, mm) in [(0u8, 1.0), (1, 1000.0), (2, 1.0), (3, 0.001), (10, 1.0), (9, 1000.0)] {
+        let volume = nifti_volume(&[4, 3, 2], &numbers(24), &|put| {
+            put(123, &[unit]);
+            put(254, &1i16.to_le_bytes());
+            for (i, value) in [1.0, 0.0, 0.0, 4.0, 0.0, 1.0, 0.0, 8.0, 0.0, 0.0, 1.0, 2.0f32].into_iter().enumerate() {
+                put(280 + 4 * i, &value.to_le_bytes());
+            }
+        })
+        .unwrap();
+        assert_eq!((volume.spacing, volume.origin), ([mm; 3], [4.0 * mm, 8.0 * mm, 2.0 * mm]), "unit {unit}");
+    }
+}

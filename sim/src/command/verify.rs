@@ -5,14 +5,15 @@ use super::vectors::{UnitArguments, unit, write_vectors};
 use super::words::WordsArguments;
 use crate::inputs;
 use crate::machine::Machine;
-use crate::output::{make_folder, write_whole};
+use crate::output::{make_folder, write_waveform};
 use crate::problem::{Outcome, Problem};
 use crate::record::{Run, defined_base_plane};
 use clap::Args;
 use cube3_host::{MachineSpec, VolumeInfo, frame_setup};
 use cube3_scene::{Mode, Scene, View};
 use cube3_vectors::compare::{explain, first_mismatch};
-use cube3_vectors::{Format, Responses, Tables, Unit, VectorFile, Vectors, ranges, waveform, word_formats};
+use cube3_vectors::waveform::around_mismatch;
+use cube3_vectors::{Format, Responses, Tables, Unit, VectorFile, Vectors, ranges, word_formats};
 use cube3_word::{Words, unit_full};
 use rustix::process::{Pid, Signal, kill_process_group};
 use std::os::unix::process::CommandExt;
@@ -104,7 +105,7 @@ impl VerifyArguments {
         let wave = self.out.join(format!("{}.fst", vectors.sheet.name));
         let from = mismatch.line.saturating_sub(AROUND);
         let to = (mismatch.line + AROUND + 1).min(vectors.inputs.len());
-        write_whole(&wave, &waveform::write(unit.as_ref(), &vectors, &responses, from..to)?)?;
+        write_waveform(&wave, &around_mismatch(unit.as_ref(), &vectors, &responses, from..to)?)?;
         print(&explain(unit.as_ref(), &vectors, &responses, &mismatch))?;
         Err(Problem::new(format!(
             "{}: {} of {} lines differ from the specification, the first is {}; {} shows the lines around it",

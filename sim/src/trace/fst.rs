@@ -1,11 +1,11 @@
 //! A recording as an FST waveform.
 //!
-//! Time is the machine's: the clock rises at the start of a cycle, and the other signals hold what the cycle did. Before the
-//! window all are X.
+//! Time is the machine's: the clock rises at the start of a cycle, and the other signals hold what the cycle did. The file
+//! starts and ends with the window.
 //!
 //! ```text
 //!   cube3.clock
-//!   cube3.<unit>.activity, .kind                          a number, and its name as ASCII
+//!   cube3.<unit>.kind, .activity                          what the unit did, as ASCII and as a number
 //!   cube3.<channel>.occupancy, .push, .pop                at the end of the cycle; in the cycle
 //!   cube3.<channel>.pushed_frame, _plane, _depth | _slot  of the token pushed, X where there is none; popped_… likewise
 //! ```
@@ -13,19 +13,13 @@
 use super::{Events, Recording, Token, TraceError};
 use crate::machine::UNITS;
 use cube3_channel::Activity;
-use fst_writer::{
-    FstBodyWriter, FstFileType, FstHeaderWriter, FstInfo, FstScopeType, FstSignalId, FstSignalType, FstVarDirection,
-    FstVarType,
-};
-use std::io::Cursor;
+use cube3_vectors::waveform::{Body, Header, Radix, Signal, Waveform};
 
 /// Letters of the longest activity's name.
 const NAME_LETTERS: usize = 13;
 const ACTIVITY_BITS: usize = 4;
 const OCCUPANCY_BITS: usize = 32;
 const TOKEN_BITS: usize = 32;
-/// Value changes are compressed and put away when they take this many bytes.
-const FLUSH_BYTES: usize = 1 << 20;
 
 /// The time unit of a waveform: a power of ten of a second of which a cycle has 1000 to 10,000.
 pub fn timescale_exponent(clock_hz: f64) -> i8 {
@@ -40,38 +34,25 @@ fn time(clock_hz: f64, halves: u64) -> u64 {
 /// Frame, plane, and depth or slot: the signals, and the words that they have.
 #[derive(Clone, Copy)]
 struct TokenSignals {
-    signals: [FstSignalId; 3],
+    signals: [Signal; 3],
     last: Option<[Option<u32>; 3]>,
 }
 
 struct UnitSignals {
-    activity: FstSignalId,
-    kind: FstSignalId,
+    activity: Signal,
+    kind: Signal,
 }
 
 struct ChannelSignals {
-    occupancy: FstSignalId,
-    push: FstSignalId,
-    pop: FstSignalId,
+    occupancy: Signal,
+    push: Signal,
+    pop: Signal,
     pushed: TokenSignals,
     popped: TokenSignals,
 }
 
-type Header = FstHeaderWriter<Cursor<Vec<u8>>>;
-type Body = FstBodyWriter<Cursor<Vec<u8>>>;
-
-fn variable(header: &mut Header, name: &str, bits: usize) -> Result<FstSignalId, TraceError> {
-    let kind = FstSignalType::bit_vec(bits as u32);
-    Ok(header.var(name, kind, FstVarType::Wire, FstVarDirection::Implicit, None)?)
-}
-
-/// A scope for a unit or channel; a dot in its name would be taken for a scope within.
-fn scope(header: &mut Header, name: &str) -> Result<(), TraceError> {
-    Ok(header.scope(name.replace('.', "_"), "", FstScopeType::Module)?)
-}
-
 fn token_variables(header: &mut Header, way: &str, place: &str) -> Result<TokenSignals, TraceError> {
-    let mut of = |field: &str| variable(header, &format!("{way}_{field}"), TOKEN_BITS);
+    let mut of = |field: &str| header.variable(&format!("{way}_{field}"), TOKEN_BITS as u32, Radix::Unsigned);
     Ok(TokenSignals { signals: [of("frame")?, of("plane")?, of(place)?], last: None })
 }
 
@@ -80,16 +61,17 @@ fn bits<const N: usize>(word: u64) -> [u8; N] {
     std::array::from_fn(|i| b'0' + (word >> (N - 1 - i) & 1) as u8)
 }
 
-/// A name as the bits of its letters, blanks before it.
+/// A name as the bits of its letters, blanks behind it: viewers cut off what they have no room for.
 fn letters(name: &str) -> Vec<u8> {
-    format!("{name:>NAME_LETTERS$}").bytes().flat_map(|letter| bits::<8>(u64::from(letter))).collect()
+    format!("{name:<NAME_LETTERS$}").bytes().flat_map(|letter| bits::<8>(u64::from(letter))).collect()
 }
 
 struct Writer {
     body: Body,
-    clock: FstSignalId,
+    clock: Signal,
     units: Vec<UnitSignals>,
-    channels: Vec<ChannelSignals>,
+    /// Each with its index in the recording.
+    channels: Vec<(usize, ChannelSignals)>,
     names: Vec<Vec<u8>>,
     /// What was written last: most signals keep their value from cycle to cycle.
     last: Option<Events>,
@@ -102,7 +84,7 @@ impl TokenSignals {
         for i in 0..3 {
             if self.last.is_none_or(|last| last[i] != words[i]) {
                 let value = words[i].map_or([b'X'; TOKEN_BITS], |word| bits(u64::from(word)));
-                body.signal_change(self.signals[i], &value)?;
+                body.change(self.signals[i], &value)?;
             }
         }
         self.last = Some(words);
@@ -112,76 +94,68 @@ impl TokenSignals {
 
 impl Writer {
     fn cycle(&mut self, clock_hz: f64, events: &Events) -> Result<(), TraceError> {
-        self.body.time_change(time(clock_hz, 2 * events.cycle))?;
-        self.body.signal_change(self.clock, b"1")?;
+        self.body.time(time(clock_hz, 2 * events.cycle))?;
+        self.body.change(self.clock, b"1")?;
         let last = self.last.take();
         for i in 0..UNITS {
             let activity = events.activities[i];
             if last.as_ref().is_none_or(|last| last.activities[i] != activity) {
                 let code = activity.code();
-                self.body.signal_change(self.units[i].activity, &bits::<ACTIVITY_BITS>(u64::from(code)))?;
-                self.body.signal_change(self.units[i].kind, &self.names[usize::from(code)])?;
+                self.body.change(self.units[i].activity, &bits::<ACTIVITY_BITS>(u64::from(code)))?;
+                self.body.change(self.units[i].kind, &self.names[usize::from(code)])?;
             }
         }
-        for (i, channel) in self.channels.iter_mut().enumerate() {
+        for (i, channel) in &mut self.channels {
+            let i = *i;
             if last.as_ref().is_none_or(|last| last.occupancy[i] != events.occupancy[i]) {
                 let word = bits::<OCCUPANCY_BITS>(events.occupancy[i] as u64);
-                self.body.signal_change(channel.occupancy, &word)?;
+                self.body.change(channel.occupancy, &word)?;
             }
             for (flag, signals, token, before) in [
                 (channel.push, &mut channel.pushed, events.pushed[i], last.as_ref().map(|last| last.pushed[i])),
                 (channel.pop, &mut channel.popped, events.popped[i], last.as_ref().map(|last| last.popped[i])),
             ] {
                 if before.map(|before| before.is_some()) != Some(token.is_some()) {
-                    self.body.signal_change(flag, if token.is_some() { b"1" } else { b"0" })?;
+                    self.body.change(flag, if token.is_some() { b"1" } else { b"0" })?;
                 }
                 signals.write(&mut self.body, token)?;
             }
         }
         self.last = Some(events.clone());
-        self.body.time_change(time(clock_hz, 2 * events.cycle + 1))?;
-        self.body.signal_change(self.clock, b"0")?;
-        if self.body.size() > FLUSH_BYTES {
-            self.body.flush()?;
-        }
+        self.body.time(time(clock_hz, 2 * events.cycle + 1))?;
+        self.body.change(self.clock, b"0")?;
         Ok(())
     }
 }
 
-/// The waveform.
-pub fn write(recording: &Recording) -> Result<Vec<u8>, TraceError> {
+/// The waveform. Each unit is followed by the channels that it fills.
+pub fn write(recording: &Recording) -> Result<Waveform, TraceError> {
     let clock_hz = recording.clock_hz();
-    let info = FstInfo {
-        start_time: time(clock_hz, 2 * recording.from()),
-        timescale_exponent: timescale_exponent(clock_hz),
-        version: format!("cube3 {}", env!("CARGO_PKG_VERSION")),
-        date: String::new(),
-        file_type: FstFileType::Verilog,
-    };
-    let mut header = FstHeaderWriter::write_to_mem(&info)?;
-    scope(&mut header, "cube3")?;
-    let clock = variable(&mut header, "clock", 1)?;
+    let mut header = Header::new(time(clock_hz, 2 * recording.from()), timescale_exponent(clock_hz))?;
+    header.scope("cube3")?;
+    let clock = header.flag("clock")?;
     let mut units = Vec::new();
-    for unit in recording.units() {
-        scope(&mut header, unit)?;
-        units.push(UnitSignals {
-            activity: variable(&mut header, "activity", ACTIVITY_BITS)?,
-            kind: variable(&mut header, "kind", 8 * NAME_LETTERS)?,
-        });
-        header.up_scope()?;
-    }
     let mut channels = Vec::new();
-    for track in recording.tracks() {
-        scope(&mut header, track.joint.channel)?;
-        let place = track.joint.tokens.place();
-        channels.push(ChannelSignals {
-            occupancy: variable(&mut header, "occupancy", OCCUPANCY_BITS)?,
-            push: variable(&mut header, "push", 1)?,
-            pop: variable(&mut header, "pop", 1)?,
-            pushed: token_variables(&mut header, "pushed", place)?,
-            popped: token_variables(&mut header, "popped", place)?,
+    for unit in recording.units() {
+        header.scope(unit)?;
+        units.push(UnitSignals {
+            kind: header.variable("kind", 8 * NAME_LETTERS as u32, Radix::Text)?,
+            activity: header.variable("activity", ACTIVITY_BITS as u32, Radix::Unsigned)?,
         });
         header.up_scope()?;
+        for (i, track) in recording.tracks().iter().enumerate().filter(|(_, track)| track.joint.from == unit) {
+            header.scope(track.joint.channel)?;
+            let place = track.joint.tokens.place();
+            let signals = ChannelSignals {
+                occupancy: header.variable("occupancy", OCCUPANCY_BITS as u32, Radix::Level)?,
+                push: header.flag("push")?,
+                pushed: token_variables(&mut header, "pushed", place)?,
+                pop: header.flag("pop")?,
+                popped: token_variables(&mut header, "popped", place)?,
+            };
+            channels.push((i, signals));
+            header.up_scope()?;
+        }
     }
     header.up_scope()?;
     let mut writer = Writer {
@@ -193,8 +167,7 @@ pub fn write(recording: &Recording) -> Result<Vec<u8>, TraceError> {
         last: None,
     };
     recording.replay(|events| writer.cycle(clock_hz, events))?;
-    writer.body.time_change(time(clock_hz, 2 * recording.to()))?;
-    Ok(writer.body.finish()?.into_inner())
+    Ok(writer.body.finish(time(clock_hz, 2 * recording.to()))?)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use super::{Token, fst, kanata, perfetto};
 use crate::fidelity::Fidelity;
 use crate::machine::{CHANNELS, Joint, Machine, UNITS};
 use cube3_channel::{Account, Activity, Deadlock};
+use cube3_vectors::waveform::{Waveform, WaveformError};
 use std::collections::VecDeque;
 use std::path::Path;
 
@@ -61,7 +62,7 @@ pub enum TraceError {
     },
     /// The waveform writer.
     #[error("the waveform cannot be written: {0}")]
-    Waveform(#[from] fst_writer::FstWriteError),
+    Waveform(#[from] WaveformError),
 }
 
 /// How a trace is written down.
@@ -361,13 +362,21 @@ impl Recording {
         Ok(())
     }
 
+    /// The recording as a waveform.
+    ///
+    /// # Errors
+    /// A waveform that cannot be written.
+    pub fn waveform(&self) -> Result<Waveform, TraceError> {
+        fst::write(self)
+    }
+
     /// The recording as a file of a format.
     ///
     /// # Errors
     /// A waveform that cannot be written.
     pub fn write(&self, format: Format) -> Result<Vec<u8>, TraceError> {
         Ok(match format {
-            Format::Fst => fst::write(self)?,
+            Format::Fst => self.waveform()?.fst,
             Format::Kanata => kanata::write(self).into_bytes(),
             Format::Perfetto => perfetto::write(self).into_bytes(),
         })

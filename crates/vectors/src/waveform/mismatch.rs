@@ -7,16 +7,10 @@
 //!   <unit>.expected.<port>, <unit>.got.<port>
 //! ```
 
+use super::{Header, Radix, Signal, Waveform, WaveformError};
 use crate::compare::Responses;
 use crate::{Field, Recorder, Unit, Vectors, bits_of};
-use fst_writer::{
-    FstFileType, FstHeaderWriter, FstInfo, FstScopeType, FstSignalId, FstSignalType, FstVarDirection, FstVarType,
-    FstWriteError,
-};
-use std::io::Cursor;
 use std::ops::Range;
-
-type Header = FstHeaderWriter<Cursor<Vec<u8>>>;
 
 /// Time units of a line.
 const LINE: u64 = 10;
@@ -29,22 +23,13 @@ fn unknown(width: u32) -> Vec<u8> {
     vec![b'x'; width as usize]
 }
 
-/// A name that viewers do not take apart: `voxel_3` for `voxel[3]`, `along_v_value` for `along_v.value`.
-fn plain(name: &str) -> String {
-    name.replace(['[', '.'], "_").replace(']', "")
+fn radix(signed: bool) -> Radix {
+    if signed { Radix::Signed } else { Radix::Hexadecimal }
 }
 
-fn variable(header: &mut Header, name: &str, bits: u32) -> Result<FstSignalId, FstWriteError> {
-    header.var(plain(name), FstSignalType::bit_vec(bits), FstVarType::Wire, FstVarDirection::Implicit, None)
-}
-
-fn scope(header: &mut Header, name: &str) -> Result<(), FstWriteError> {
-    header.scope(name, "", FstScopeType::Module)
-}
-
-fn variables(header: &mut Header, name: &str, fields: &[Field]) -> Result<Vec<FstSignalId>, FstWriteError> {
-    scope(header, name)?;
-    let signals = fields.iter().map(|field| variable(header, &field.name, field.bits)).collect();
+fn variables(header: &mut Header, name: &str, fields: &[Field]) -> Result<Vec<Signal>, WaveformError> {
+    header.scope(name)?;
+    let signals = fields.iter().map(|field| header.variable(&field.name, field.bits, radix(field.signed))).collect();
     header.up_scope()?;
     signals
 }
@@ -53,26 +38,19 @@ fn variables(header: &mut Header, name: &str, fields: &[Field]) -> Result<Vec<Fs
 ///
 /// # Errors
 /// What the writer of the format says.
-pub fn write(
+pub fn around_mismatch(
     unit: &dyn Unit,
     vectors: &Vectors,
     responses: &Responses,
     lines: Range<usize>,
-) -> Result<Vec<u8>, FstWriteError> {
-    let info = FstInfo {
-        start_time: lines.start as u64 * LINE,
-        timescale_exponent: -9,
-        version: format!("cube3 {}", env!("CARGO_PKG_VERSION")),
-        date: String::new(),
-        file_type: FstFileType::Verilog,
-    };
+) -> Result<Waveform, WaveformError> {
     let sheet = &vectors.sheet;
-    let mut header = FstHeaderWriter::write_to_mem(&info)?;
-    scope(&mut header, sheet.name)?;
-    let number = variable(&mut header, "line", 32)?;
-    let differs = variable(&mut header, "differs", 1)?;
+    let mut header = Header::new(lines.start as u64 * LINE, -9)?;
+    header.scope(sheet.name)?;
+    let number = header.variable("line", 32, Radix::Unsigned)?;
+    let differs = header.flag("differs")?;
     let inputs = variables(&mut header, "in", &vectors.fields[0])?;
-    scope(&mut header, "wires")?;
+    header.scope("wires")?;
     let mut wires = Vec::new();
     for wire in &sheet.wires {
         let count = vectors.format.evaluate(wire.count).unwrap_or(1).max(1) as usize;
@@ -81,7 +59,7 @@ pub fn write(
         let mut row = Vec::new();
         for place in 0..count {
             let name = if count == 1 { wire.path() } else { format!("{}[{place}]", wire.path()) };
-            row.push(variable(&mut header, &name, bits)?);
+            row.push(header.variable(&name, bits, radix(ends[0] < 0))?);
         }
         wires.push((row, bits));
     }
@@ -92,10 +70,10 @@ pub fn write(
     let mut body = header.finish()?;
     let mut recorder = Recorder::default();
     for line in lines.clone() {
-        body.time_change(line as u64 * LINE)?;
-        body.signal_change(number, &digits(line as u128, 32))?;
+        body.time(line as u64 * LINE)?;
+        body.change(number, &digits(line as u128, 32))?;
         for ((field, value), signal) in vectors.fields[0].iter().zip(&vectors.inputs[line]).zip(&inputs) {
-            body.signal_change(*signal, &digits(*value as u128, field.bits))?;
+            body.change(*signal, &digits(*value as u128, field.bits))?;
         }
         let mut carried: Vec<Vec<Vec<u8>>> = wires.iter().map(|(row, bits)| vec![unknown(*bits); row.len()]).collect();
         if !sheet.clocked {
@@ -112,7 +90,7 @@ pub fn write(
         }
         for ((row, _), values) in wires.iter().zip(&carried) {
             for (signal, value) in row.iter().zip(values) {
-                body.signal_change(*signal, value)?;
+                body.change(*signal, value)?;
             }
         }
         let mut wrong = false;
@@ -120,11 +98,10 @@ pub fn write(
             let right = digits(vectors.outputs[line][i] as u128, field.bits);
             let answer = responses.lines[line][i].bits.map_or(unknown(field.bits), |bits| digits(bits, field.bits));
             wrong |= right != answer;
-            body.signal_change(expected[i], &right)?;
-            body.signal_change(got[i], &answer)?;
+            body.change(expected[i], &right)?;
+            body.change(got[i], &answer)?;
         }
-        body.signal_change(differs, if wrong { b"1" } else { b"0" })?;
+        body.change(differs, if wrong { b"1" } else { b"0" })?;
     }
-    body.time_change(lines.end as u64 * LINE)?;
-    Ok(body.finish()?.into_inner())
+    body.finish(lines.end as u64 * LINE)
 }
