@@ -137,6 +137,39 @@ fn volumes_go_from_phantom_to_file_to_picture() {
 }
 
 #[test]
+fn a_patients_volume_is_converted_as_stored_and_resampled_as_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| {
+        let output = cube3(folder.path(), arguments);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let refused = |arguments: &[&str], words: &str| {
+        let output = cube3(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(text(&output.stderr).contains(words), "{}", text(&output.stderr));
+    };
+    let header = "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: 2 2 2\n\
+                  space directions: (1,0,0) (0,1,0) (0,0,2)\nencoding: raw\n\n";
+    let bytes = [header.as_bytes(), &[10, 20, 30, 40, 50, 60, 70, 80]].concat();
+    std::fs::write(folder.path().join("lps.nrrd"), bytes).unwrap();
+    assert!(!run(&["volume", "convert", "lps.nrrd", "lps.nii.gz"]).contains("note"));
+    assert!(!run(&["volume", "convert", "lps.nii.gz", "lps.mha", "--uncompressed"]).contains("note"));
+    let shown = run(&["volume", "convert", "lps.mha", "stored.raw"]);
+    assert!(shown.contains("note: stored.raw keeps no directions") && shown.contains("--ras"), "{shown}");
+    assert!(!run(&["volume", "convert", "lps.mha", "drawn.raw", "--ras"]).contains("note"));
+    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(read("stored.raw"), [10, 20, 30, 40, 50, 60, 70, 80]);
+    assert_eq!(read("drawn.raw"), [40, 30, 20, 10, 80, 70, 60, 50]);
+    let shown = run(&["volume", "resample", "lps.mha", "cubes.raw", "--cubes", "--filter", "linear"]);
+    assert!(shown.contains("2 × 2 × 2 at 1 × 1 × 2 -> 2 × 2 × 3 at 1 × 1 × 1, linear"), "{shown}");
+    assert_eq!(read("cubes.raw"), [40, 30, 20, 10, 60, 50, 40, 30, 80, 70, 60, 50]);
+    refused(&["volume", "resample", "cubes.raw", "a.nrrd", "--cubes"], "volume convert cubes.raw");
+    refused(&["volume", "resample", "lps.mha", "a.nrrd"], "--cubes");
+    refused(&["volume", "resample", "lps.mha", "a.nrrd", "--size", "2x2x3", "--spacing", "1,1,1"], "--size");
+}
+
+#[test]
 fn the_printed_defaults_are_the_defaults() {
     let folder = tempfile::tempdir().unwrap();
     for (option, file) in [("--print-scene", "scene.toml"), ("--print-machine", "machine.toml")] {

@@ -7,7 +7,7 @@
 //!
 //! ```text
 //!   file ──► read ──► Volume ──► to_words ──► VoxelWords ──► cubic frame buffer
-//!   Phantom::generate ──┘  └──► write ──► file
+//!   Phantom::generate ──┘  └──► write ──► file          resample: Volume ──► Volume on another grid
 //! ```
 //!
 //! Files are read under three rules: no header is believed before it is checked against the bytes
@@ -28,6 +28,7 @@ mod phantom;
 mod place;
 mod raw;
 mod readable;
+mod resample;
 mod samples;
 mod source;
 mod statistics;
@@ -46,10 +47,11 @@ pub use open::{FileInfo, inspect, read, read_bytes};
 pub use phantom::{Phantom, PhantomParams};
 pub use raw::{Endian, RawLayout};
 pub use readable::readable;
+pub use resample::{Filter, NewGrid, ResampleReport, Resampling, resample};
 pub use samples::{Sample, SampleType, Samples};
 pub use statistics::Histogram;
 pub use thickness::thick_dims;
 pub use volume::Volume;
 pub use words::{ConversionReport, NonFiniteRule, VoxelWords, WordConversion, WordRounding};
 pub use world::{AxisOrder, LeftOver, Ordering, Space, World, letter};
-pub use write::{NrrdEncoding, write, write_nrrd, write_raw};
+pub use write::{Packing, check_name, write, write_packed, write_raw};

@@ -1,13 +1,13 @@
 //! `cube3 volume`: look at, convert and make volumes.
 
 use super::run::print;
-use super::{RawArguments, spacing};
-use crate::problem::Outcome;
+use super::{RawArguments, dims, spacing};
+use crate::problem::{Outcome, Problem};
 use crate::progress::Waiting;
 use clap::{Args, Subcommand};
 use cube3_volume::{
-    NonFiniteRule, NrrdEncoding, Phantom, PhantomParams, SampleType, Samples, Volume, WordConversion, read, write,
-    write_nrrd,
+    Filter, Format, NewGrid, NonFiniteRule, Ordering, Packing, Phantom, PhantomParams, ReadOptions, Resampling,
+    SampleType, Samples, Space, Volume, WordConversion, check_name, inspect, read, readable, resample, write_packed,
 };
 use std::path::{Path, PathBuf};
 
@@ -32,7 +32,7 @@ enum VolumeCommand {
         #[command(flatten)]
         raw: RawArguments,
     },
-    /// Another format; .nrrd and .raw are written.
+    /// Another format; .nrrd, .nii, .nii.gz, .mha and .raw are written, in the order in which the voxels are stored.
     Convert {
         /// The volume.
         from: PathBuf,
@@ -46,9 +46,40 @@ enum VolumeCommand {
         /// Data values of the first and last word, e.g. 0,255; the data's range without it.
         #[arg(long, value_parser = window, value_name = "LOW,HIGH", requires = "bits", allow_hyphen_values = true)]
         window: Option<[f64; 2]>,
-        /// Write NRRD without compression.
+        /// Write .nrrd and .mha without compression.
         #[arg(long)]
         uncompressed: bool,
+        /// Write the order that is drawn: x to the right, y to the front, z to the head.
+        #[arg(long)]
+        ras: bool,
+    },
+    /// Another grid: cubes, other distances or sizes, or axes along the world's; x, y and z are those that are drawn.
+    Resample {
+        /// The volume; a raw file is converted first.
+        from: PathBuf,
+        /// The new file.
+        to: PathBuf,
+        /// Voxels as far apart along every axis as along the finest.
+        #[arg(long, conflicts_with_all = ["spacing", "size"], required_unless_present_any = ["spacing", "size", "straight"])]
+        cubes: bool,
+        /// New distances between voxels, e.g. 1,1,1.
+        #[arg(long, value_parser = spacing, value_name = "SX,SY,SZ", conflicts_with = "size")]
+        spacing: Option<[f64; 3]>,
+        /// New numbers of voxels, with the first and the last where they were, e.g. 256x256x225.
+        #[arg(long, value_parser = dims, value_name = "NXxNYxNZ")]
+        size: Option<[usize; 3]>,
+        /// Axes along the world's: takes away an oblique turn and a gantry's tilt. Cubes, unless distances or sizes are given.
+        #[arg(long)]
+        straight: bool,
+        /// What lies between voxels: linear, or cubic (a B-spline through them).
+        #[arg(long, default_value_t)]
+        filter: Filter,
+        /// Value outside of the data; the least one without it.
+        #[arg(long, requires = "straight", allow_negative_numbers = true)]
+        outside: Option<f64>,
+        /// Which volume of a file that holds a series, from 0.
+        #[arg(long, value_name = "N")]
+        time: Option<usize>,
     },
     /// A volume from a closed form.
     Phantom {
@@ -99,19 +130,45 @@ impl VolumeArguments {
             VolumeCommand::Info { file: None, .. } => {
                 info("phantom head", &Phantom::Head.generate(128, &PhantomParams::default())?)
             }
-            VolumeCommand::Convert { from, to, raw, bits, window, uncompressed } => {
-                let volume = read(&from, &raw.read_options()?)?;
+            VolumeCommand::Convert { from, to, raw, bits, window, uncompressed, ras } => {
+                check_name(&to)?;
+                let mut options = raw.read_options()?;
+                // Where no world is known, an axis of negative spacing is the one thing that is turned: no file keeps that.
+                if !ras && inspect(&from, &options)?.world.space != Space::Unknown {
+                    options.ordering = Ordering::AsStored;
+                }
+                let volume = read(&from, &options)?;
                 let volume = match bits {
                     Some(bits) => to_words(&volume, bits, window)?,
                     None => volume,
                 };
-                save(&to, &volume, uncompressed)
+                save(&to, &volume, if uncompressed { Packing::Plain } else { Packing::Compressed })
+            }
+            VolumeCommand::Resample { from, to, cubes: _, spacing, size, straight, filter, outside, time } => {
+                check_name(&to)?;
+                if Format::of_path(&from) == Some(Format::Raw) {
+                    return Err(Problem::new(format!(
+                        "{0}: a raw file does not say how far apart its voxels are; convert it first, \
+                         e.g. cube3 volume convert {0} volume.nrrd --dims 256x256x99 --type u8 --spacing 1,1,2",
+                        from.display()
+                    )));
+                }
+                let grid = match (spacing, size) {
+                    (Some(spacing), _) => NewGrid::Spacing(spacing),
+                    (_, Some(size)) => NewGrid::Size(size),
+                    _ => NewGrid::Cubes,
+                };
+                let how = Resampling { grid, straight, filter, outside, ..Resampling::default() };
+                let options = ReadOptions { frame: time.unwrap_or(0), ..ReadOptions::default() };
+                let volume = resampled(&read(&from, &options)?, &how)?;
+                save(&to, &volume, Packing::Compressed)
             }
             VolumeCommand::Phantom { name, size, radius, ramp, centre, period, phase, out } => {
+                let out = out.unwrap_or_else(|| PathBuf::from(format!("{name}.nrrd")));
+                check_name(&out)?;
                 let params = PhantomParams { radius, ramp, centre, period, phase };
                 let volume = name.parse::<Phantom>()?.generate(size, &params)?;
-                let out = out.unwrap_or_else(|| PathBuf::from(format!("{name}.nrrd")));
-                save(&out, &volume, false)
+                save(&out, &volume, Packing::Compressed)
             }
         }
     }
@@ -121,17 +178,41 @@ fn to_words(volume: &Volume, bits: u32, window: Option<[f64; 2]>) -> Outcome<Vol
     let conversion = WordConversion { window, non_finite: NonFiniteRule::Refuse, ..WordConversion::default() };
     let (words, report) = volume.to_words(bits, &conversion)?;
     print(&format!("{report}\n"))?;
-    Ok(Volume::new(words.dims, words.spacing, Samples::U16(words.words))?.with_origin(volume.origin)?)
+    Ok(Volume::new(words.dims, words.spacing, Samples::U16(words.words))?.with_world(volume.origin, volume.world)?)
 }
 
-fn save(path: &Path, volume: &Volume, uncompressed: bool) -> Outcome<()> {
-    if uncompressed {
-        write_nrrd(path, volume, NrrdEncoding::Raw)?;
-    } else {
-        write(path, volume)?;
+fn resampled(volume: &Volume, how: &Resampling) -> Outcome<Volume> {
+    let (new, report) = resample(volume, how)?;
+    let grid = |volume: &Volume| {
+        let ([x, y, z], [sx, sy, sz]) = (volume.dims, volume.spacing.map(readable));
+        format!("{x} × {y} × {z} at {sx} × {sy} × {sz}")
+    };
+    let mut text = format!("{} -> {}, {}\n", grid(volume), grid(&new), how.filter);
+    if report.clipped > 0 {
+        text += &format!("clipped {} voxels to the range of {}\n", report.clipped, new.sample_type());
     }
+    if report.outside > 0 {
+        text += &format!("{} voxels outside of the data\n", report.outside);
+    }
+    if report.coarser {
+        text +=
+            "note: the new grid is coarser along an axis; nothing is smoothed before, and finer detail is aliased\n";
+    }
+    print(&text)?;
+    Ok(new)
+}
+
+fn save(path: &Path, volume: &Volume, packing: Packing) -> Outcome<()> {
+    let remarks = write_packed(path, volume, packing)?;
     let [x, y, z] = volume.dims;
-    print(&format!("wrote {}: {x} × {y} × {z} {}\n", path.display(), volume.sample_type()))
+    let mut text = format!("wrote {}: {x} × {y} × {z} {}\n", path.display(), volume.sample_type());
+    for remark in remarks {
+        // The one that a raw file has is about the order of its voxels.
+        let remedy =
+            if Format::of_path(path) == Some(Format::Raw) { "; --ras writes the order that is drawn" } else { "" };
+        text += &format!("note: {remark}{remedy}\n");
+    }
+    print(&text)
 }
 
 fn info(source: &str, volume: &Volume) -> Outcome<()> {
