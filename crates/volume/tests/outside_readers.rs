@@ -10,7 +10,12 @@ use others::{Grid, run, same, text};
 use serde_json::Value;
 
 /// What is written, by a name's ending, and the worlds that the format has words for.
-const WRITTEN: [(&str, &[Space]); 1] = [("nrrd", &[Space::Unknown])];
+const WRITTEN: [(&str, &[Space]); 4] = [
+    ("nrrd", &[Space::Unknown, Space::Patient]),
+    ("nii", &[Space::Unknown, Space::Patient]),
+    ("nii.gz", &[Space::Patient]),
+    ("mha", &[Space::Patient]),
+];
 
 /// Directions of the grid's axes: along the world's, turned, turned and mirrored, leaning.
 const DIRECTIONS: [(&str, [[f64; 3]; 3]); 4] = [

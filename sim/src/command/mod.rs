@@ -6,6 +6,7 @@ mod scene;
 mod vectors;
 mod verify;
 mod volume;
+mod volume_info;
 mod words;
 
 use crate::problem::Outcome;

@@ -1,20 +1,16 @@
 //! `cube3 volume`: look at, convert and make volumes.
 
 use super::run::print;
+use super::volume_info::info;
 use super::{RawArguments, dims, spacing};
 use crate::problem::{Outcome, Problem};
 use crate::progress::Waiting;
 use clap::{Args, Subcommand};
 use cube3_volume::{
-    Filter, Format, NewGrid, NonFiniteRule, Ordering, Packing, Phantom, PhantomParams, ReadOptions, Resampling,
-    SampleType, Samples, Space, Volume, WordConversion, check_name, inspect, read, readable, resample, write_packed,
+    FileInfo, Filter, Format, NewGrid, NonFiniteRule, Ordering, Packing, Phantom, PhantomParams, ReadOptions,
+    Resampling, Samples, Space, Volume, WordConversion, check_name, inspect, read, readable, resample, write_packed,
 };
 use std::path::{Path, PathBuf};
-
-/// Bars of the histogram.
-const BINS: usize = 16;
-/// Width of the longest bar, in characters.
-const BAR: usize = 40;
 
 /// Arguments of `cube3 volume`.
 #[derive(Debug, Args)]
@@ -124,17 +120,21 @@ impl VolumeArguments {
         let _waiting = Waiting::new("volume");
         match self.command {
             VolumeCommand::Info { file: Some(file), raw } => {
-                let volume = read(&file, &raw.read_options()?)?;
-                info(&file.display().to_string(), &volume)
+                let options = raw.read_options()?;
+                let about = inspect(&file, &options)?;
+                let volume = read(&file, &options)?;
+                info(&file.display().to_string(), &volume, Some((&about, options.frame)))
             }
             VolumeCommand::Info { file: None, .. } => {
-                info("phantom head", &Phantom::Head.generate(128, &PhantomParams::default())?)
+                info("phantom head", &Phantom::Head.generate(128, &PhantomParams::default())?, None)
             }
             VolumeCommand::Convert { from, to, raw, bits, window, uncompressed, ras } => {
                 check_name(&to)?;
                 let mut options = raw.read_options()?;
+                let about = inspect(&from, &options)?;
+                one_of_a_series(&about, &from, options.frame)?;
                 // Where no world is known, an axis of negative spacing is the one thing that is turned: no file keeps that.
-                if !ras && inspect(&from, &options)?.world.space != Space::Unknown {
+                if !ras && about.world.space != Space::Unknown {
                     options.ordering = Ordering::AsStored;
                 }
                 let volume = read(&from, &options)?;
@@ -160,6 +160,7 @@ impl VolumeArguments {
                 };
                 let how = Resampling { grid, straight, filter, outside, ..Resampling::default() };
                 let options = ReadOptions { frame: time.unwrap_or(0), ..ReadOptions::default() };
+                one_of_a_series(&inspect(&from, &options)?, &from, options.frame)?;
                 let volume = resampled(&read(&from, &options)?, &how)?;
                 save(&to, &volume, Packing::Compressed)
             }
@@ -172,6 +173,14 @@ impl VolumeArguments {
             }
         }
     }
+}
+
+/// Says which volume of a series it is; the others stay behind.
+fn one_of_a_series(about: &FileInfo, from: &Path, time: usize) -> Outcome<()> {
+    if about.volumes == 1 {
+        return Ok(());
+    }
+    print(&format!("{}: volume {time} of a series of {}; --time takes another\n", from.display(), about.volumes))
 }
 
 fn to_words(volume: &Volume, bits: u32, window: Option<[f64; 2]>) -> Outcome<Volume> {
@@ -211,36 +220,6 @@ fn save(path: &Path, volume: &Volume, packing: Packing) -> Outcome<()> {
         let remedy =
             if Format::of_path(path) == Some(Format::Raw) { "; --ras writes the order that is drawn" } else { "" };
         text += &format!("note: {remark}{remedy}\n");
-    }
-    print(&text)
-}
-
-fn info(source: &str, volume: &Volume) -> Outcome<()> {
-    let [x, y, z] = volume.dims;
-    let [sx, sy, sz] = volume.spacing;
-    let [ox, oy, oz] = volume.origin;
-    let sample: SampleType = volume.sample_type();
-    let mut text = format!("{source}\n  size     {x} × {y} × {z} voxels\n  type     {sample}\n");
-    text += &format!("  spacing  {sx} × {sy} × {sz}\n  origin   {ox}, {oy}, {oz}\n");
-    if let Some(place) = volume.first_non_finite() {
-        text += &format!("  note     {place}\n");
-    }
-    let ((low, high), strange) = volume.finite_range();
-    if strange < volume.len() as u64 {
-        text += &format!("  range    {low} to {high}\n");
-        if strange > 0 {
-            return print(&format!("{text}  strange  {strange} voxels are NaN or infinite; no histogram\n"));
-        }
-        let histogram = volume.histogram(BINS)?;
-        let most = histogram.counts.iter().copied().max().unwrap_or(1).max(1);
-        for (bin, &count) in histogram.counts.iter().enumerate() {
-            let width = (high - low) / BINS as f64;
-            // Logarithmic, or air hides all else.
-            let share = (count as f64 + 1.0).ln() / (most as f64 + 1.0).ln();
-            let bar = "█".repeat((share * BAR as f64).round() as usize);
-            text += &format!("  {:>12.4}  {bar:<BAR$}  {count}\n", low + bin as f64 * width);
-        }
-        text += "  bars are logarithmic\n";
     }
     print(&text)
 }
