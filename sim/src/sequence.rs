@@ -154,6 +154,9 @@ fn load(
         one.phase = Some(source.phase.unwrap_or_default() + phase_per_volume * index as f64);
     }
     let (name, data) = inputs::data(&one, options)?;
+    if source.labels {
+        return inputs::labels_to_words(name, data, window, machine, mask);
+    }
     inputs::to_words(name, data, window, machine, mask)
 }
 

@@ -36,6 +36,10 @@ pub struct VolumeSource {
     /// leaves the choice to the reader of the volume.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub window: Option<[f64; 2]>,
+    /// Whether the values are labels, whole numbers that name something: each sample is then its nearest voxel, and nothing is
+    /// interpolated.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub labels: bool,
     /// For a phantom that moves: the phase of the first volume, in periods; 0 if `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<f64>,
@@ -54,18 +58,20 @@ struct VolumeSourceInFile {
     phantom: Option<String>,
     size_voxels: Option<usize>,
     window: Option<[f64; 2]>,
+    labels: bool,
     phase: Option<f64>,
     phase_per_frame: Option<f64>,
 }
 
 impl From<VolumeSourceInFile> for VolumeSource {
     fn from(given: VolumeSourceInFile) -> Self {
-        let VolumeSourceInFile { file, files, mut phantom, mut size_voxels, window, phase, phase_per_frame } = given;
+        let VolumeSourceInFile { file, files, mut phantom, mut size_voxels, window, labels, phase, phase_per_frame } =
+            given;
         if file.is_none() && files.is_empty() {
             phantom.get_or_insert_with(|| DEFAULT_PHANTOM.0.to_owned());
             size_voxels.get_or_insert(DEFAULT_PHANTOM.1);
         }
-        VolumeSource { file, files, phantom, size_voxels, window, phase, phase_per_frame }
+        VolumeSource { file, files, phantom, size_voxels, window, labels, phase, phase_per_frame }
     }
 }
 
@@ -171,6 +177,13 @@ impl VolumeSource {
                 "volume.size_voxels",
                 format!("a phantom cannot have {size} voxels on a side"),
                 format!("give a whole number from 1 to {LARGEST_PHANTOM_VOXELS}"),
+            ));
+        }
+        if self.labels && self.window.is_some() {
+            return Err(SceneError::at(
+                "volume.window",
+                "labels are words as they are, and a window would make others of them",
+                "leave `window` or `labels` out",
             ));
         }
         if let Some([low, high]) = self.window {

@@ -34,6 +34,7 @@ fn every_option_in_the_commented_default_exists() {
     let alternatives = [
         "file =",
         "files =",
+        "labels =",
         "yaw_deg",
         "tilt_deg",
         "roll_deg",
@@ -71,6 +72,7 @@ fn every_option_in_the_commented_default_exists() {
     assert!(scene.volume.phase.is_some() && scene.volume.phase_per_frame.is_some());
     assert_eq!(only("[volume]", "file =").volume, VolumeSource::from_file("volume.nrrd"));
     assert_eq!(only("[volume]", "files =").volume.files.len(), 2);
+    assert!(only("[volume]", "labels =").volume.labels);
     assert_eq!(only("[image]", "pixel_size").image.pixel_size_voxel, Some(1.0));
     let text =
         options_on(|line| !["[view.p", "field_of_view", "eye_voxel"].iter().any(|start| line.starts_with(start)));
@@ -188,6 +190,7 @@ fn every_fault_is_found_at_its_key() {
         ("[volume]\nphantom = \"\"", "volume.phantom"),
         ("[volume]\nwindow = [3, 3]", "volume.window"),
         ("[volume]\nwindow = [3, inf]", "volume.window[1]"),
+        ("[volume]\nwindow = [0, 3]\nlabels = true", "volume.window"),
         ("[view]\nyaw_deg = nan", "view.yaw_deg"),
         ("[view]\nroll_deg = inf", "view.roll_deg"),
         ("[view]\ndirection = [0, 0, 0]", "view.direction"),
@@ -327,7 +330,7 @@ prop_compose! {
         angles in prop::array::uniform2(-1e4..1e4_f64), roll_deg in -1e4..1e4_f64,
         direction in prop::option::of(vector()), perspective in prop::option::of(perspective()),
         file in prop::option::of("[a-z \"\\\\é]{1,9}"),
-        window in prop::option::of(Just([-5.0, 7.5])),
+        (window, labels) in prop::sample::select(vec![(None, false), (None, true), (Some([-5.0, 7.5]), false)]),
         pixel_size_voxel in prop::option::of(1e-9..1e9_f64),
         transfer in transfer(),
         lights in prop::collection::vec((prop::option::of(vector()), unit()), 0..3),
@@ -342,7 +345,7 @@ prop_compose! {
                 Some(direction) => View::from_direction(direction, None),
                 None => View { roll_deg, ..View::from_angles(angles[0], angles[1]) },
             },
-            volume: VolumeSource { window, ..file.map_or_else(VolumeSource::default, VolumeSource::from_file) },
+            volume: VolumeSource { window, labels, ..file.map_or_else(VolumeSource::default, VolumeSource::from_file) },
             lights: lights.into_iter()
                 .map(|(direction, grey)| Light { direction, colour: [grey; 3] }).collect(),
             depth_cue: depth_cue.map(|(front, back)| DepthCue { front, back }),
