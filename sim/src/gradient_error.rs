@@ -30,7 +30,7 @@ fn gradient_pairs(setup: &FrameSetup, volume: &VoxelWords) -> Vec<([f64; 3], [f6
     let stride = (1..).find(fits).unwrap_or(1);
     let machine = Samples { setup, volume };
     let whole = match &setup.ends {
-        Some(_) => whole_step_opacity(setup.cone.mode, &setup.words, geometry.size[2]),
+        Some(_) => whole_step_opacity(setup.cone.mode, &setup.words, geometry.bounding_planes()),
         None => cube3_word::unit_full(setup.words.opacity_bits),
     };
     let half = whole.div_ceil(2);

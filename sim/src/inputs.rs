@@ -42,7 +42,7 @@ pub fn machine(name: &str) -> Outcome<MachineSpec> {
 pub struct LoadedVolume {
     /// Where it comes from, for the report.
     pub source: String,
-    /// Which of x, y, z have a single voxel; data and words have two equal ones there ([`Volume::thickened`]).
+    /// Which of x, y, z have a single voxel; data and words have two equal ones there ([`Volume::thickened`]). None of labels.
     pub single: [bool; 3],
     /// The data; masked voxels have the value of word 0.
     pub data: Volume,
@@ -132,7 +132,12 @@ pub fn volume(scene: &Scene, machine: &MachineSpec, options: &ReadOptions, mask:
     let _waiting = Waiting::new("volume");
     let Incoming { source, data, mut notes } = data(&scene.volume, options)?;
     notes.extend(directions::old_format_note(scene, &data.world));
-    Ok(LoadedVolume { notes, ..to_words(source, data, scene.volume.window, machine, mask)? })
+    let loaded = if scene.volume.labels {
+        labels_to_words(source, data, None, machine, mask)?
+    } else {
+        to_words(source, data, scene.volume.window, machine, mask)?
+    };
+    Ok(LoadedVolume { notes, ..loaded })
 }
 
 /// Converts data to a machine's voxel words; the window is that of the data where none is given.
@@ -146,6 +151,44 @@ pub fn to_words(
     machine: &MachineSpec,
     mask: bool,
 ) -> Outcome<LoadedVolume> {
+    let single = data.dims.map(|n| n == 1);
+    let data = if single.contains(&true) { data.thickened().into_owned() } else { data };
+    convert(source, data, single, window, machine, mask)
+}
+
+/// Converts labels to a machine's voxel words, in the `window` of the first volume of a series. An axis of one voxel is not made two: a
+/// voxel of labels has a thickness.
+///
+/// # Errors
+/// Values that are no labels, labels without a word, and values that are not finite where `mask` is not set.
+pub fn labels_to_words(
+    source: String,
+    data: Volume,
+    window: Option<[f64; 2]>,
+    machine: &MachineSpec,
+    mask: bool,
+) -> Outcome<LoadedVolume> {
+    let bits = machine.words.voxel_bits;
+    let largest = data.largest_label(bits).map_err(|error| Problem::new(format!("{source}: {error}")))?;
+    let window = window.or(WordConversion::labels(largest, bits, machine.words.table_bits).window);
+    if let Some([_, high]) = window.filter(|[_, high]| largest > *high) {
+        return Err(Problem::new(format!(
+            "{source}: labels: the largest is {largest}, and the words of the series' first volume go up to {}; raise \
+             words.table_bits in the machine file to {bits}",
+            high.floor()
+        )));
+    }
+    convert(source, data, [false; 3], window, machine, mask)
+}
+
+fn convert(
+    source: String,
+    data: Volume,
+    single: [bool; 3],
+    window: Option<[f64; 2]>,
+    machine: &MachineSpec,
+    mask: bool,
+) -> Outcome<LoadedVolume> {
     let conversion = WordConversion {
         window,
         rounding: match machine.words.rounding {
@@ -154,8 +197,6 @@ pub fn to_words(
         },
         non_finite: if mask { NonFiniteRule::Mask } else { NonFiniteRule::Refuse },
     };
-    let single = data.dims.map(|n| n == 1);
-    let data = if single.contains(&true) { data.thickened().into_owned() } else { data };
     let converted = data.to_words(machine.words.voxel_bits, &conversion);
     let (words, conversion) = converted.map_err(|error| match error {
         VolumeError::NonFinite(NonFinite { position: [x, y, z], value }) => Problem::new(format!(

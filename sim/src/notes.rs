@@ -100,9 +100,13 @@ impl<'a> Findings<'a> {
         let [value, real, centre] = check.misplaced.map(number);
         let now = frame.setup.words.table_bits;
         let remedy = match frame.table_bits_that_hold() {
+            Some(bits) if self.scene.volume.labels => {
+                format!("words.table_bits = {bits} in the machine file tells these labels apart")
+            }
             Some(bits) => format!(
                 "words.table_bits = {bits} in the machine file, or a narrower volume.window in the scene, tells them apart"
             ),
+            None if self.scene.volume.labels => "no words.table_bits tells these labels apart: number them anew".into(),
             None => "a narrower volume.window in the scene tells them apart".into(),
         };
         Some(format!(

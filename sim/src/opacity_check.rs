@@ -105,7 +105,7 @@ impl CheckedFrame<'_> {
         let seen = Seen::of(scene, words);
         // Where ends of rays are exact, the word of a whole step need not be the full one.
         let whole = match (table, &setup.ends) {
-            (Some(_), Some(_)) => whole_step_opacity(scene.mode, words, setup.geometry.size[2]),
+            (Some(_), Some(_)) => whole_step_opacity(scene.mode, words, setup.geometry.bounding_planes()),
             _ => unit_full(words.opacity_bits),
         };
         let scale = f64::from(unit_full(words.opacity_bits)) / f64::from(whole);

@@ -231,7 +231,7 @@ impl Asked<'_> {
                 source: volume.source.clone(),
                 dims: volume.dims(),
                 spacing: volume.words.spacing,
-                conversion: volume.conversion.to_string().into(),
+                conversion: conversion(scene, volume).into(),
                 axes: directions::axes_report(&volume.data.world),
             },
             view: view_report(scene, volume, frames)?,
@@ -440,6 +440,12 @@ pub(crate) fn measure(
     Ok(error)
 }
 
+/// How values became voxel words, and whether they are labels.
+pub(crate) fn conversion(scene: &Scene, volume: &LoadedVolume) -> String {
+    let conversion = &volume.conversion;
+    if scene.volume.labels { format!("labels, not interpolated; {conversion}") } else { conversion.to_string() }
+}
+
 fn view_report(scene: &Scene, volume: &LoadedVolume, frames: &PictureFrames) -> Outcome<ViewReport> {
     let central = canonical(frames.view.direction, volume.words.spacing);
     let geometry = frames.setups.first().map(|setup| &setup.geometry);
@@ -452,6 +458,7 @@ fn view_report(scene: &Scene, volume: &LoadedVolume, frames: &PictureFrames) -> 
         let rule = match geometry.rule {
             TemplateRule::SampleFloor => "sample-floor",
             TemplateRule::PlaneFloor => "plane-floor",
+            TemplateRule::Nearest => "nearest voxel",
         };
         let slots = match geometry.slots {
             _ if geometry.perspective.is_some() => ", a slot for each ray",

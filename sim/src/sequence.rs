@@ -171,8 +171,13 @@ fn load(
     {
         one.phase = Some(source.phase.unwrap_or_default() + phase_per_volume * index as f64);
     }
-    let Incoming { source, data, notes } = inputs::data(&one, options)?;
-    Ok(LoadedVolume { notes, ..inputs::to_words(source, data, window, machine, mask)? })
+    let Incoming { source: name, data, notes } = inputs::data(&one, options)?;
+    let loaded = if source.labels {
+        inputs::labels_to_words(name, data, window, machine, mask)?
+    } else {
+        inputs::to_words(name, data, window, machine, mask)?
+    };
+    Ok(LoadedVolume { notes, ..loaded })
 }
 
 /// A frame of the sequence, as it is made.

@@ -13,7 +13,7 @@ use cube3_host::{
 };
 use cube3_scene::{
     ColourPoint, Crop, Cut, DepthCue, Image, Layer, Light, Material, Mode, Perspective, Scene, Threshold, Transfer,
-    View,
+    View, VolumeSource,
 };
 use cube3_word::{Rounding, Words};
 use proptest::prelude::*;
@@ -271,10 +271,12 @@ pub fn scenes() -> impl Strategy<Value = Scene> {
         proptest::option::weighted(0.3, crop),
         proptest::option::weighted(0.3, cue),
         proptest::option::weighted(0.3, threshold),
+        proptest::bool::weighted(0.2),
     );
     (mode, directions(), transfer, material, proptest::collection::vec(light, 0..3), rest).prop_map(
-        |(mode, direction, transfer, material, lights, (cuts, crop, depth_cue, threshold))| Scene {
+        |(mode, direction, transfer, material, lights, (cuts, crop, depth_cue, threshold, labels))| Scene {
             mode,
+            volume: VolumeSource { labels, ..VolumeSource::default() },
             view: View { direction: Some(direction), ..View::default() },
             transfer,
             material,

@@ -118,6 +118,26 @@ fn slots_that_are_not_shared_in_verilator() {
     check(Simulator::Verilator, &frames(&machine, &noise, &phantom, false));
 }
 
+/// Labels are other registers, and nothing else.
+#[test]
+fn labels_in_both_simulators() {
+    for (simulator, words) in [(Simulator::Icarus, Words::default()), (Simulator::Verilator, narrow())] {
+        let machine = machine(8, GradientMethod::Twelve, words);
+        let noise = noise(8, &words);
+        let modes = MODES.iter().chain(&OTHER_MODES).cycle();
+        let cases: Vec<Case<'_>> = DIRECTIONS
+            .iter()
+            .zip(modes)
+            .map(|(&direction, &mode)| {
+                let mut scene = lit(direction, mode);
+                scene.volume.labels = true;
+                Case::new(&scene, &machine, &noise, &noise.info(), true)
+            })
+            .collect();
+        check(simulator, &cases);
+    }
+}
+
 #[test]
 fn voxels_that_are_not_cubes_and_thresholds_in_verilator() {
     let machine = machine(8, GradientMethod::Twelve, Words::default());

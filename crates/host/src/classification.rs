@@ -37,7 +37,8 @@ fn magnitude_unit(machine: &MachineSpec, volume: &VolumeInfo, basis: &Basis) -> 
 /// What the entries of a frame's opacity tables stand for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OpacityEntries {
-    /// The data value in the middle of the samples that share an entry.
+    /// The data value in the middle of the samples that share an entry; of labels the first, which is the only one where the table is wide
+    /// enough.
     pub values: Vec<f64>,
     /// The gradient in the middle of a row, in data values for each smallest voxel spacing; one where opacity depends on the value
     /// alone.
@@ -52,10 +53,11 @@ impl OpacityEntries {
         let machine = &*in_frame(machine, &setup.geometry);
         let basis = Basis::new(&setup.geometry, volume.spacing, machine.abc.gradient);
         let steps = StepLengths::new(scene, &setup.geometry, volume.spacing);
-        OpacityEntries::new(machine, volume, steps.lengths, setup.classification.gradient_rows, &basis)
+        OpacityEntries::new(scene, machine, volume, steps.lengths, setup.classification.gradient_rows, &basis)
     }
 
     pub(crate) fn new(
+        scene: &Scene,
         machine: &MachineSpec,
         volume: &VolumeInfo,
         lengths: Vec<f64>,
@@ -68,8 +70,13 @@ impl OpacityEntries {
         let [low, high] = volume.window;
         let value_of = |sample: f64| low + sample / fraction / full * (high - low);
         let wide = f64::from(1_u32 << (words.sample_bits() - words.table_bits));
-        let values =
-            (0..1_u32 << words.table_bits).map(|index| value_of((f64::from(index) + 0.5) * wide - 0.5)).collect();
+        // The product comes before the quotient: whole multiples come out exact.
+        let label_of = |sample: f64| (low + sample / fraction * (high - low) / full).floor();
+        let value = |index: u32| match scene.volume.labels {
+            true => label_of(f64::from(index) * wide),
+            false => value_of((f64::from(index) + 0.5) * wide - 0.5),
+        };
+        let values = (0..1_u32 << words.table_bits).map(value).collect();
         let unit = magnitude_unit(machine, volume, basis);
         let row_count = rows.map_or(1, |rows| rows.rows);
         let row_width = rows.map_or(0.0, |rows| f64::from(1_u32 << rows.shift));

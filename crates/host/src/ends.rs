@@ -1,7 +1,7 @@
 //! The ends of rays: registers and tables for the parts of a step that the first and the last sample of a ray stand for.
 //!
 //! Sample k stands for the depths from k + o − ½ to k + o + ½, the first one of a ray from where the ray enters, the last one to where
-//! it leaves: the box of voxel centres, the crop box, the half-spaces of the cuts; in perspective no ray begins before its eye. So the
+//! it leaves: the box of voxel centres, in a label volume of whole voxels, the crop box, the half-spaces of the cuts; in perspective no ray begins before its eye. So the
 //! parts of a ray's samples add up to its length.
 
 use crate::setup::linear;
@@ -13,7 +13,8 @@ use serde::{Deserialize, Serialize};
 /// Registers for the ends of rays.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct EndRegisters {
-    /// The six faces of the box of voxel centres; where the eye is behind the front one, the plane of the eye stands for it.
+    /// The six faces of the box of voxel centres, in a label volume of whole voxels; where the eye is behind the front one, the plane of the
+    /// eye stands for it.
     pub faces: [HalfSpace; 6],
     /// Opacity tables before those of the ends: the classes of step lengths.
     pub first_class: u32,
@@ -62,26 +63,32 @@ fn longest(lengths: &[f64]) -> f64 {
     lengths.iter().copied().fold(0.0, f64::max)
 }
 
-/// Inside of the box of voxel centres: behind its front faces and before its back ones.
+/// Inside of the box of voxel centres, or of whole voxels: behind its front faces and before its back ones.
 fn faces(geometry: &Geometry) -> [HalfSpace; 6] {
     let side = |axis: usize, sign: f64, at: f64| {
         let mut normal = [0.0; 3];
         normal[axis] = sign;
         HalfSpace { distance: linear(geometry, normal, -sign * at, HalfSpace::FRACTION_BITS) }
     };
-    let last = geometry.size.map(|n| (n - 1) as f64);
-    let front = [0.0, 0.0, eye_depth(geometry)];
+    let margin = if geometry.nearest() { 0.5 } else { 0.0 };
+    let last = geometry.size.map(|n| (n - 1) as f64 + margin);
+    let front = [-margin, -margin, front_depth(geometry, margin)];
     std::array::from_fn(|face| {
         let (axis, back) = (face / 2, face % 2 == 1);
         if back { side(axis, -1.0, last[axis]) } else { side(axis, 1.0, front[axis]) }
     })
 }
 
-/// The depth at which an eye behind the front face is, where rays begin; 0 for others.
-fn eye_depth(geometry: &Geometry) -> f64 {
-    match &geometry.perspective {
-        Some(pass) if pass.first_depth > 0 => pass.first_depth as f64 - pass.spacing[0] as f64 / pass.spacing[1] as f64,
-        _ => 0.0,
+/// The depth of the front face, or of the eye behind it, where rays begin.
+fn front_depth(geometry: &Geometry, margin: f64) -> f64 {
+    let Some(pass) = &geometry.perspective else {
+        return -margin;
+    };
+    let eye = pass.first_depth as f64 - pass.spacing[0] as f64 / pass.spacing[1] as f64;
+    match pass.first_depth {
+        0 if margin == 0.0 => 0.0,
+        0 => eye.max(-margin),
+        _ => eye,
     }
 }
 

@@ -12,7 +12,7 @@ use std::ops::Range;
 ///
 /// The sample of ray i at depth k lies between its column L and its right column R, each the lerp by the offset of two
 /// planes: `w = (p − lerp(L(k), L(k+1), o)) / (lerp(R(k), R(k+1), o) − lerp(L(k), L(k+1), o))`. R is the column of the next ray,
-/// or the next column where the two rays share one.
+/// or the next column where the two rays share one. By the rule of the nearest voxel L is the sample's own, and w is 0.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Fan {
     /// Number of the first ray: the whole number at which it crosses the grid plane.
@@ -67,11 +67,19 @@ impl FanShape {
         (start << self.weight_bits) + steps * slope
     }
 
-    /// The column of a ray at a depth from the first on: its floor at the sample, or at the plane.
+    /// The position of a ray at a plane, a fraction of slope bits.
+    fn at_plane(&self, start: i64, slope: i64, k: usize) -> i64 {
+        start + (k as i64 - self.first_depth as i64) * slope
+    }
+
+    /// The column of a ray at a depth from the first on: its floor at the sample or at the plane, or the nearest.
     fn column(&self, start: i64, slope: i64, k: usize) -> i32 {
         let column = match self.rule {
             TemplateRule::SampleFloor => self.position(start, slope, k) >> (SLOPE_FRACTION_BITS + self.weight_bits),
-            TemplateRule::PlaneFloor => (start + (k as i64 - self.first_depth as i64) * slope) >> SLOPE_FRACTION_BITS,
+            TemplateRule::PlaneFloor => self.at_plane(start, slope, k) >> SLOPE_FRACTION_BITS,
+            TemplateRule::Nearest => {
+                (self.at_plane(start, slope, k) + (1 << (SLOPE_FRACTION_BITS - 1))) >> SLOPE_FRACTION_BITS
+            }
         };
         column as i32
     }
@@ -81,8 +89,11 @@ impl FanShape {
         (i64::from(near) << self.weight_bits) + i64::from(far - near) * i64::from(self.offset)
     }
 
-    /// The weight of a position between a left and a right edge, rounded to nearest.
+    /// The weight of a position between a left and a right edge, rounded to nearest; none where the left one is the nearest voxel.
     fn weight(&self, position: i64, left: i64, right: i64) -> u32 {
+        if self.rule == TemplateRule::Nearest {
+            return 0;
+        }
         let part = position - (left << SLOPE_FRACTION_BITS);
         let whole = right - left;
         ((part << self.weight_bits) + (whole << (SLOPE_FRACTION_BITS - 1))).div_euclid(whole << SLOPE_FRACTION_BITS)

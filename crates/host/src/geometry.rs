@@ -89,6 +89,18 @@ impl Geometry {
         f64::from(self.offset) / f64::from(1_u32 << self.weight_bits)
     }
 
+    /// Whether each sample is its nearest voxel, in frames of label volumes: voxels are then boxes, and the volume reaches half a voxel beyond
+    /// the outermost centres.
+    #[inline]
+    pub fn nearest(&self) -> bool {
+        self.rule == TemplateRule::Nearest
+    }
+
+    /// Planes, a step apart, from the volume's front face to its back one: n_w, and one more where voxels are boxes.
+    pub fn bounding_planes(&self) -> usize {
+        self.size[2] + usize::from(self.nearest())
+    }
+
     /// The position of sample `k` of a ray of the frame, in canonical voxels.
     pub fn sample_position(&self, ray: DiscreteRay, k: usize) -> [f64; 3] {
         let depth = k as f64 + self.real_offset();

@@ -585,6 +585,12 @@ impl MachineSpec {
             self.rays.offset.to_string(),
             "outside 0 to below 1",
         )?;
+        check(
+            self.rays.template != TemplateRule::Nearest,
+            "rays.template",
+            "\"nearest\"".into(),
+            "for label volumes, which say so in the scene: volume.labels = true",
+        )?;
         check((0.1..=4.0).contains(&self.rays.grid), "rays.grid", self.rays.grid.to_string(), "outside 0.1 to 4")?;
         let skew = self.cfb.skew;
         check(

@@ -4,7 +4,7 @@
 //! to z before y before x. Each pass is a frame of its own with its own base plane, and the warp joins them.
 
 use crate::perspective::Perspective;
-use crate::setup::{check_perspective, checked_view, reads_gradients, registers, wanted_offset};
+use crate::setup::{check_perspective, checked_view, reads_gradients, registers, template_rule, wanted_offset};
 use crate::{
     Axes, Fan, FrameSetup, Geometry, HostError, ImagePlane, LeftOut, MachineSpec, PassShape, VolumeInfo, canonical,
     frame_setup,
@@ -57,7 +57,7 @@ pub fn picture_setup(
             eye: axes.canonical_position(size, eye),
             offset,
             weight_bits: machine.words.weight_bits,
-            rule: machine.rays.template,
+            rule: template_rule(scene, machine),
             grid: machine.rays.grid,
             reach: if reads_gradients(scene) { machine.abc.reach } else { 1 },
             joins: false,

@@ -4,8 +4,8 @@ use crate::perspective::{PLACE_BITS, Perspective};
 use crate::{
     Abc, Axes, BusKind, ConeRegisters, EndRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters,
     GradientScale, HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, OpacityEntries, RayRegisters,
-    SLOPE_FRACTION_BITS, ShadingUnit, canonical, classification, ends, largest_offset, shading, slope_register,
-    whole_step_opacity,
+    SLOPE_FRACTION_BITS, ShadingUnit, TemplateRule, canonical, classification, ends, largest_offset, shading,
+    slope_register, whole_step_opacity,
 };
 use cube3_scene::{Mode, Scene, SceneError, ViewFrame};
 use cube3_word::{Words, quantise_fraction, quantise_unit, unit_full, unit_resize};
@@ -307,8 +307,8 @@ pub(crate) fn registers(
         .as_ref()
         .map(|pass| ray_registers(scene, volume, &geometry, pass, &basis, machine.abc.gradient, &steps));
     let ends = EndRegisters::new(scene, machine, &geometry, &steps.lengths);
-    let whole = ends.as_ref().map(|_| whole_step_opacity(scene.mode, &words, geometry.size[2]));
-    let entries = OpacityEntries::new(machine, volume, steps.lengths, rows, &basis);
+    let whole = ends.as_ref().map(|_| whole_step_opacity(scene.mode, &words, geometry.bounding_planes()));
+    let entries = OpacityEntries::new(scene, machine, volume, steps.lengths, rows, &basis);
     let setup = FrameSetup {
         schema: 1,
         words,
@@ -328,7 +328,7 @@ pub(crate) fn registers(
             order: machine.cone.kind.order(),
             leaves: machine.lanes,
             opaque: quantise_unit(scene.transfer.opaque_alpha, words.opacity_bits).max(1),
-            sum_weight: sum_weight(&words, geometry.size[2], whole),
+            sum_weight: sum_weight(&words, &geometry, whole),
         },
         geometry,
         rays,
@@ -337,16 +337,16 @@ pub(crate) fn registers(
     (setup, left_out)
 }
 
-/// The weight of a weighted sum: one of `depths` samples, or one step of those between the first plane and the last, where opacity 1 over
-/// a `whole` step has a word of its own.
-fn sum_weight(words: &Words, depths: usize, whole: Option<u32>) -> u64 {
+/// The weight of a weighted sum: one of the samples of a ray through all planes, or one step of those from the front face to the back one,
+/// where opacity 1 over a `whole` step has a word of its own.
+fn sum_weight(words: &Words, geometry: &Geometry, whole: Option<u32>) -> u64 {
     let one = 1_u64 << ConeRegisters::WEIGHT_BITS;
     let Some(whole) = whole else {
-        return one / depths as u64;
+        return one / geometry.size[2] as u64;
     };
     let bits = words.accumulator_bits;
     let whole = unit_resize(whole, words.opacity_bits, bits).max(1);
-    let steps = depths.saturating_sub(1).max(1) as u128;
+    let steps = geometry.bounding_planes().saturating_sub(1).max(1) as u128;
     (u128::from(one) * u128::from(unit_full(bits)) / (u128::from(whole) * steps)).min(one.into()) as u64
 }
 
@@ -476,13 +476,19 @@ pub(crate) fn wanted_offset(scene: &Scene, machine: &MachineSpec) -> u32 {
     quantise_fraction(offset, machine.words.weight_bits)
 }
 
+/// Where discrete rays take their column: label volumes have the rule of the nearest voxel, whatever the machine file says.
+pub(crate) fn template_rule(scene: &Scene, machine: &MachineSpec) -> TemplateRule {
+    if scene.volume.labels { TemplateRule::Nearest } else { machine.rays.template }
+}
+
 fn geometry(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, view: &ViewFrame) -> Geometry {
     let canonical = canonical(view.direction, volume.spacing);
     let slopes = canonical.slopes.map(slope_register);
     let bits = machine.words.weight_bits;
-    let offset = wanted_offset(scene, machine).min(largest_offset(machine.rays.template, slopes, bits));
+    let rule = template_rule(scene, machine);
+    let offset = wanted_offset(scene, machine).min(largest_offset(rule, slopes, bits));
     let size = canonical.axes.permute(volume.dims);
-    Geometry::new(size, canonical.axes, slopes, offset, bits, machine.rays.template, machine.rays.slots)
+    Geometry::new(size, canonical.axes, slopes, offset, bits, rule, machine.rays.slots)
 }
 
 /// The frame that a gradient's components are in, treated as orthonormal by the shading unit.

@@ -14,12 +14,15 @@ pub enum TemplateRule {
     SampleFloor,
     /// At the plane, `X(k) = ⌊k·du⌋`: the ray is inside the cell at both planes, so every offset is legal.
     PlaneFloor,
+    /// At the voxel nearest to the sample, `X(k) = ⌊k·du + ½⌋`, and no weights: the rule of label volumes, whose samples lie on planes of
+    /// voxels. The scene asks for it, not a machine file.
+    Nearest,
 }
 
 /// One axis of a parallel view: the column of each plane and the weight of each sample.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Template {
-    /// X(k) for k = 0 to n_w inclusive; starts at 0 for a sample floor below 1, never falls, steps by 0 or 1.
+    /// X(k) for k = 0 to n_w inclusive; starts at 0 for an offset that the rule allows, never falls, steps by 0 or 1.
     pub columns: Vec<u32>,
     /// Weight of sample k between its column and the next: a fraction of the machine's weight bits, 0 to 1.
     pub weights: Vec<u32>,
@@ -31,7 +34,7 @@ pub fn slope_register(slope: f64) -> u32 {
 }
 
 /// The largest legal offset of a rule, as a fraction of `weight_bits` rounded down: equation (3) of the paper for the
-/// sample floor, and just below 1 for the plane floor.
+/// sample floor, just below 1 for the plane floor, and 0 for the nearest voxel.
 pub fn largest_offset(rule: TemplateRule, slopes: [u32; 2], weight_bits: u32) -> u32 {
     match rule {
         TemplateRule::SampleFloor => {
@@ -40,6 +43,7 @@ pub fn largest_offset(rule: TemplateRule, slopes: [u32; 2], weight_bits: u32) ->
             bound.min((1 << weight_bits) - 1)
         }
         TemplateRule::PlaneFloor => (1 << weight_bits) - 1,
+        TemplateRule::Nearest => 0,
     }
 }
 
@@ -47,6 +51,9 @@ impl Template {
     /// The template of one axis with `depth` planes. `slope` is a register, `offset` a fraction of `weight_bits`.
     pub fn new(rule: TemplateRule, slope: u32, offset: u32, weight_bits: u32, depth: usize) -> Template {
         let columns = (0..=depth).map(|k| column(rule, slope, offset, weight_bits, k)).collect();
+        if rule == TemplateRule::Nearest {
+            return Template { columns, weights: vec![0; depth] };
+        }
         let weights = (0..depth)
             .map(|k| {
                 let exact = exact_weight(rule, slope, offset, weight_bits, k);
@@ -70,6 +77,9 @@ fn column(rule: TemplateRule, slope: u32, offset: u32, weight_bits: u32, k: usiz
             (position(slope, offset, weight_bits, k) >> (SLOPE_FRACTION_BITS + weight_bits)) as u32
         }
         TemplateRule::PlaneFloor => ((k as u64 * u64::from(slope)) >> SLOPE_FRACTION_BITS) as u32,
+        TemplateRule::Nearest => {
+            ((k as u64 * u64::from(slope) + (1 << (SLOPE_FRACTION_BITS - 1))) >> SLOPE_FRACTION_BITS) as u32
+        }
     }
 }
 
@@ -115,8 +125,8 @@ mod tests {
         }
 
         #[test]
-        fn columns_step_by_nothing_or_one(slope in 0..=1_u32 << SLOPE_FRACTION_BITS, plane: bool) {
-            let rule = if plane { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor };
+        fn columns_step_by_nothing_or_one(slope in 0..=1_u32 << SLOPE_FRACTION_BITS, rule in 0_usize..3) {
+            let rule = [TemplateRule::SampleFloor, TemplateRule::PlaneFloor, TemplateRule::Nearest][rule];
             let offset = largest_offset(rule, [slope, 0], 8);
             let template = Template::new(rule, slope, offset, 8, 600);
             prop_assert_eq!(template.columns[0], 0);
@@ -129,6 +139,17 @@ mod tests {
             let first = template.first_depth(target);
             prop_assert!(template.columns[..first].iter().all(|&x| i64::from(x) < target));
             prop_assert!(template.columns[first..].iter().all(|&x| i64::from(x) >= target));
+        }
+    }
+
+    #[test]
+    fn the_nearest_column_is_half_a_voxel_away_at_most_and_ties_go_up() {
+        for (slope, expected) in
+            [(0.0, [0; 6]), (0.25, [0, 0, 1, 1, 1, 1]), (0.5, [0, 1, 1, 2, 2, 3]), (1.0, [0, 1, 2, 3, 4, 5])]
+        {
+            let template = Template::new(TemplateRule::Nearest, slope_register(slope), 0, 8, 5);
+            assert_eq!(template.columns, expected, "{slope}");
+            assert_eq!(template.weights, [0; 5]);
         }
     }
 

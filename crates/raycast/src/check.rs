@@ -2,7 +2,17 @@
 
 use crate::RaycastError;
 use cube3_host::Geometry;
+use cube3_scene::Scene;
 use cube3_volume::Volume;
+use std::borrow::Cow;
+
+/// Volume and scene as they are drawn: an axis of one voxel is one thick ([`Volume::thickened`]). A voxel of labels is so already.
+pub(crate) fn thickened<'a>(volume: &'a Volume, scene: &'a Scene) -> (Cow<'a, Volume>, Cow<'a, Scene>) {
+    if scene.volume.labels {
+        return (Cow::Borrowed(volume), Cow::Borrowed(scene));
+    }
+    (volume.thickened(), scene.thickened(volume.dims.map(|n| n == 1)))
+}
 
 /// A gradient adds up to this many times the range of the values: 26 neighbours with weights that add to 4 on
 /// each side, doubled by the difference, and again for the shear.

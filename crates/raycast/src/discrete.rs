@@ -4,7 +4,7 @@
 //! and the last for all that lies behind. So the samples of a ray stand for its length exactly. [`DiscreteOptions::whole_steps`] takes each
 //! for a whole step instead, as the published machine does.
 
-use crate::check::{check_geometry, check_volume};
+use crate::check::{check_geometry, check_volume, thickened};
 use crate::gradient::Estimator;
 use crate::integrate::{Integrator, Probe, Ray, StepWeights};
 use crate::progress::RowCount;
@@ -86,8 +86,8 @@ pub fn discrete(
         return Err(RaycastError::Perspective);
     }
     check_volume(volume, options.border)?;
-    let scene = &*scene.thickened(volume.dims.map(|n| n == 1));
-    let volume = &*volume.thickened();
+    let (volume, scene) = thickened(volume, scene);
+    let (volume, scene) = (&*volume, &*scene);
     check_geometry(volume, geometry)?;
     let view = scene.view.frame()?;
     let estimator = Estimator::new(geometry, volume.spacing, options.gradient);
@@ -100,11 +100,9 @@ pub fn discrete(
             colour: light.colour,
         })
         .collect();
-    let weights = StepWeights {
-        length: step_length(geometry, volume.spacing),
-        sum: 1.0 / (geometry.size[2] - usize::from(!options.whole_steps)) as f64,
-        stop_below: 0.0,
-    };
+    let steps = if options.whole_steps { geometry.size[2] } else { geometry.bounding_planes() - 1 };
+    let weights =
+        StepWeights { length: step_length(geometry, volume.spacing), sum: 1.0 / steps as f64, stop_below: 0.0 };
     let integrator = Integrator::new(scene, volume, &view, lights, weights);
     let neighbours = Integrator::reads_gradients(scene);
     let rows = RowCount::new(progress);

@@ -1,10 +1,10 @@
 //! Image-order ray casting: rays from the picture's pixels, steps of one length, exact interpolation.
 
-use crate::check::check_volume;
+use crate::check::{check_volume, thickened};
 use crate::integrate::{Integrator, Probe, Ray, StepWeights};
 use crate::interpolate::cell;
 use crate::progress::RowCount;
-use crate::span::{Drawn, ON_FACE};
+use crate::span::{Drawn, ON_FACE, margin};
 use crate::{Progress, RaycastError};
 use cube3_host::{ImagePlane, canonical, over};
 use cube3_scene::{Scene, resolve_lights};
@@ -61,11 +61,12 @@ pub struct Rendering {
 /// voxel is one thick ([`Volume::thickened`]). Its first sample is where it enters, the others follow at steps of one length, and the last
 /// is where it leaves, after what is left of a step. A sample stands for the half of the way to each of its neighbours, so that together
 /// they stand for the ray's length exactly: the trapezoid rule, of second order. Interpolation is trilinear; a gradient's component is the
-/// central difference of the values one voxel to either side, over the voxels' distance in the world.
+/// central difference of the values one voxel to either side, over the voxels' distance in the world. Of a label volume a value is that of the
+/// nearest voxel, halves towards higher numbers, and the box is that of whole voxels, [−½, n−½].
 ///
 /// In perspective the rays run from the eye. One that begins in the box has its first sample at the eye. Light from the
 /// eye shines along each ray, and the eye of a highlight is the ray's. Depth, for depth cueing, is measured along the
-/// view and not along the ray. In a weighted sum the weight of a step is the part of the volume's extent, n−1, along the axis nearest to
+/// view and not along the ray. In a weighted sum the weight of a step is the part of the volume's extent, n−1 or of labels n, along the axis nearest to
 /// the view which it covers: a ray through all planes sums to 1, in perspective as in a parallel view.
 ///
 /// # Errors
@@ -78,8 +79,8 @@ pub fn image_order(
 ) -> Result<Rendering, RaycastError> {
     scene.validate()?;
     check_volume(volume, options.border)?;
-    let scene = &*scene.thickened(volume.dims.map(|n| n == 1));
-    let volume = &*volume.thickened();
+    let (volume, scene) = thickened(volume, scene);
+    let (volume, scene) = (&*volume, &*scene);
     let smallest = volume.spacing.iter().copied().fold(f64::INFINITY, f64::min);
     let diagonal: f64 = (0..3).map(|i| volume.dims[i] as f64 * volume.spacing[i] / smallest).sum();
     if !(options.step_voxel > 0.0 && options.step_voxel.is_finite() && diagonal / options.step_voxel <= MOST_STEPS) {
@@ -93,7 +94,8 @@ pub fn image_order(
     let view = scene.view.frame()?;
     let plane = ImagePlane::new(scene, &view, volume.dims, volume.spacing);
     let axis = canonical(view.direction, volume.spacing).axes.axis[2];
-    let depth = (volume.dims[axis] - 1) as f64;
+    let margin = margin(scene);
+    let depth = (volume.dims[axis] - 1) as f64 + 2.0 * margin;
     let drawn = Drawn::new(scene, volume.dims);
     let weights = StepWeights {
         length: options.step_voxel,
@@ -107,7 +109,7 @@ pub fn image_order(
     let [width, height] = [plane.width, plane.height].map(|pixels| pixels.div_ceil(every));
     let mut pixels = vec![[0.0; 3]; width * height];
     let samples = with_samples!(&volume.samples, v => {
-        let grid = Grid { samples: v, dims: volume.dims, border: options.border, per_voxel };
+        let grid = Grid { samples: v, dims: volume.dims, border: options.border, per_voxel, margin };
         let cast = |(row, pixels): (usize, &mut [[f64; 3]])| {
             let mut integrator = integrator.clone();
             let mut samples = 0;
@@ -173,10 +175,11 @@ impl Line {
         Some([enter.max(self.eye.min(leave)), leave])
     }
 
-    /// The point at a parameter, held to the box.
+    /// The point at a parameter, held to the box, which reaches `margin` beyond the voxel centres.
     #[inline(always)]
-    fn at(&self, parameter: f64, dims: [usize; 3]) -> [f64; 3] {
-        [0, 1, 2].map(|i| (self.origin[i] + self.direction[i] * parameter).clamp(0.0, (dims[i] - 1) as f64))
+    fn at(&self, parameter: f64, dims: [usize; 3], margin: f64) -> [f64; 3] {
+        let held = |i: usize, x: f64| x.clamp(-margin, (dims[i] - 1) as f64 + margin);
+        [0, 1, 2].map(|i| held(i, self.origin[i] + self.direction[i] * parameter))
     }
 }
 
@@ -229,7 +232,7 @@ fn cast_ray<S: Sample>(
     samples: &Samples,
 ) -> ([f64; 4], u64) {
     let probe = |index: usize| {
-        let cell = grid.cell(line.at(samples.at(index), grid.dims));
+        let cell = grid.cell(line.at(samples.at(index), grid.dims, grid.margin));
         PlacedSample { grid, cell }
     };
     let mut ray = Ray::START;
@@ -252,9 +255,11 @@ struct Grid<'a, S> {
     border: f64,
     /// The spacing in units of the smallest.
     per_voxel: [f64; 3],
+    /// How far the box reaches beyond the voxel centres; above 0 a value is the nearest voxel's.
+    margin: f64,
 }
 
-/// A cell of eight voxels, by its corner of the smallest coordinates, and the place in it.
+/// A cell of eight voxels, by its corner of the smallest coordinates, and the place in it; of labels the nearest voxel, and the way from it.
 #[derive(Clone, Copy)]
 struct Cell {
     corner: [isize; 3],
@@ -265,13 +270,25 @@ impl<S: Sample> Grid<'_, S> {
     /// The cell around a position in the box; the last face belongs to the last cell.
     #[inline(always)]
     fn cell(&self, position: [f64; 3]) -> Cell {
+        if self.nearest() {
+            let corner = [0, 1, 2].map(|i| ((position[i] + 0.5) as isize).min(self.dims[i] as isize - 1));
+            return Cell { corner, weights: [0, 1, 2].map(|i| position[i] - corner[i] as f64) };
+        }
         let corner = [0, 1, 2].map(|i| (position[i] as isize).min(self.dims[i].saturating_sub(2) as isize));
         Cell { corner, weights: [0, 1, 2].map(|i| position[i] - corner[i] as f64) }
     }
 
-    /// The interpolated value.
+    #[inline(always)]
+    fn nearest(&self) -> bool {
+        self.margin > 0.0
+    }
+
+    /// The interpolated value, or the nearest.
     #[inline(always)]
     fn value(&self, at: Cell) -> f64 {
+        if self.nearest() {
+            return self.voxel(at.corner, [0; 3]);
+        }
         let [x, y, z] = at.corner;
         let inside = |i: isize, n: usize| i >= 0 && (i as usize) + 1 < n;
         if !(inside(x, self.dims[0]) && inside(y, self.dims[1]) && inside(z, self.dims[2])) {

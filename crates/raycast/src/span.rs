@@ -8,9 +8,15 @@ const PARALLEL: f64 = 1e-12;
 /// How far outside of a face, in voxels, a line along it still counts as in it: what rounding moves it by.
 pub(crate) const ON_FACE: f64 = 1e-9;
 
-/// What is drawn of a volume: the box of its voxel centres, [0, n−1] along each axis, inside of the crop box and of the cut planes.
+/// How far beyond the outermost voxel centres a volume reaches, in voxels.
+pub(crate) fn margin(scene: &Scene) -> f64 {
+    if scene.volume.labels { 0.5 } else { 0.0 }
+}
+
+/// What is drawn of a volume: the box of its voxel centres, [0, n−1] along each axis, inside of the crop box and of the cut planes. A voxel
+/// of labels is a box that is filled with its label, so theirs is [−½, n−½].
 ///
-/// It is convex, so a line has one stretch in it. Every axis has two voxels at least (see
+/// It is convex, so a line has one stretch in it. But for labels every axis has two voxels at least (see
 /// [`Volume::thickened`](cube3_volume::Volume::thickened)).
 #[derive(Clone, Debug)]
 pub(crate) struct Drawn {
@@ -23,7 +29,8 @@ pub(crate) struct Drawn {
 impl Drawn {
     /// Of a volume of `dims` voxels.
     pub fn new(scene: &Scene, dims: [usize; 3]) -> Drawn {
-        let (mut low, mut high) = ([0.0_f64; 3], dims.map(|n| (n - 1) as f64));
+        let margin = margin(scene);
+        let (mut low, mut high) = ([-margin; 3], dims.map(|n| (n - 1) as f64 + margin));
         if let Some(crop) = &scene.crop {
             low = [0, 1, 2].map(|i| low[i].max(crop.min_voxel[i]));
             high = [0, 1, 2].map(|i| high[i].min(crop.max_voxel[i]));

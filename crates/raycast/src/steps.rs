@@ -1,6 +1,6 @@
 //! Where sample k of every ray lies: the one thing in which true and sheared interpolation differ.
 
-use cube3_host::Geometry;
+use cube3_host::{Geometry, TemplateRule};
 
 /// Which eight voxels a sample of a discrete ray is interpolated from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -26,7 +26,7 @@ pub(crate) struct Step {
 
 /// The step of every sample, in reals: exactly the registers' slopes and offset, no rounding of weights.
 ///
-/// In the sheared cell `w_u = p_u − lerp(X(k), X(k+1), o)` (design, section 3). The last sample has no far plane; it is
+/// Of a label volume a sample is its nearest voxel, in either cell, and all weights are 0. In the sheared cell `w_u = p_u − lerp(X(k), X(k+1), o)` (design, section 3). The last sample has no far plane; it is
 /// given the near one again and, with an offset above 0, is in no ray's valid set.
 pub(crate) fn steps(geometry: &Geometry, interpolation: Interpolation) -> Vec<Step> {
     let offset = geometry.real_offset();
@@ -37,12 +37,13 @@ pub(crate) fn steps(geometry: &Geometry, interpolation: Interpolation) -> Vec<St
         let far = if geometry.offset == 0 { k } else { (k + 1).min(depth - 1) };
         let axis = |i: usize| {
             let moved = (k as f64 + offset) * slopes[i];
-            match interpolation {
-                Interpolation::Exact => {
+            match (geometry.rule, interpolation) {
+                (TemplateRule::Nearest, _) => ([(moved + 0.5).floor() as usize; 2], 0.0),
+                (_, Interpolation::Exact) => {
                     let column = moved.floor();
                     ([column as usize; 2], moved - column)
                 }
-                Interpolation::Sheared => {
+                (_, Interpolation::Sheared) => {
                     let columns = [templates[i].columns[k], templates[i].columns[far]];
                     let left = f64::from(columns[0]) + offset * f64::from(columns[1] - columns[0]);
                     (columns.map(|column| column as usize), moved - left)

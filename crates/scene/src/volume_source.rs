@@ -59,6 +59,10 @@ pub struct VolumeSource {
     /// Which volume of a file that holds a series, from 0; `None` is all of them in a sequence, else the first.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<usize>,
+    /// Whether the values are labels, whole numbers that name something: each sample is then its nearest voxel, and nothing is
+    /// interpolated.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub labels: bool,
     /// For a phantom that moves: the phase of the first volume, in periods; 0 if `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<f64>,
@@ -79,6 +83,7 @@ struct VolumeSourceInFile {
     window: Option<[f64; 2]>,
     axes: FileAxes,
     time: Option<usize>,
+    labels: bool,
     phase: Option<f64>,
     phase_per_frame: Option<f64>,
 }
@@ -93,6 +98,7 @@ impl From<VolumeSourceInFile> for VolumeSource {
             window,
             axes,
             time,
+            labels,
             phase,
             phase_per_frame,
         } = given;
@@ -100,7 +106,7 @@ impl From<VolumeSourceInFile> for VolumeSource {
             phantom.get_or_insert_with(|| DEFAULT_PHANTOM.0.to_owned());
             size_voxels.get_or_insert(DEFAULT_PHANTOM.1);
         }
-        VolumeSource { file, files, phantom, size_voxels, window, axes, time, phase, phase_per_frame }
+        VolumeSource { file, files, phantom, size_voxels, window, axes, time, labels, phase, phase_per_frame }
     }
 }
 
@@ -212,6 +218,13 @@ impl VolumeSource {
                 "volume.size_voxels",
                 format!("a phantom cannot have {size} voxels on a side"),
                 format!("give a whole number from 1 to {LARGEST_PHANTOM_VOXELS}"),
+            ));
+        }
+        if self.labels && self.window.is_some() {
+            return Err(SceneError::at(
+                "volume.window",
+                "labels are words as they are, and a window would make others of them",
+                "leave `window` or `labels` out",
             ));
         }
         if let Some([low, high]) = self.window {

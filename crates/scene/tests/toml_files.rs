@@ -35,6 +35,7 @@ fn every_option_in_the_commented_default_exists() {
         "file =",
         "files =",
         "time =",
+        "labels =",
         "yaw_deg",
         "tilt_deg",
         "roll_deg",
@@ -79,6 +80,7 @@ fn every_option_in_the_commented_default_exists() {
         assert_eq!(error.key(), format!("volume.{key}"));
     }
     assert_eq!(Scene::from_toml("schema = 1\n", "old").unwrap().schema, 1);
+    assert!(only("[volume]", "labels =").volume.labels);
     assert_eq!(only("[image]", "pixel_size").image.pixel_size_voxel, Some(1.0));
     let text =
         options_on(|line| !["[view.p", "field_of_view", "eye_voxel"].iter().any(|start| line.starts_with(start)));
@@ -196,6 +198,7 @@ fn every_fault_is_found_at_its_key() {
         ("[volume]\nphantom = \"\"", "volume.phantom"),
         ("[volume]\nwindow = [3, 3]", "volume.window"),
         ("[volume]\nwindow = [3, inf]", "volume.window[1]"),
+        ("[volume]\nwindow = [0, 3]\nlabels = true", "volume.window"),
         ("[view]\nyaw_deg = nan", "view.yaw_deg"),
         ("[view]\nroll_deg = inf", "view.roll_deg"),
         ("[view]\ndirection = [0, 0, 0]", "view.direction"),
@@ -335,7 +338,7 @@ prop_compose! {
         angles in prop::array::uniform2(-1e4..1e4_f64), roll_deg in -1e4..1e4_f64,
         direction in prop::option::of(vector()), perspective in prop::option::of(perspective()),
         file in prop::option::of("[a-z \"\\\\é]{1,9}"),
-        window in prop::option::of(Just([-5.0, 7.5])),
+        (window, labels) in prop::sample::select(vec![(None, false), (None, true), (Some([-5.0, 7.5]), false)]),
         pixel_size_voxel in prop::option::of(1e-9..1e9_f64),
         transfer in transfer(),
         lights in prop::collection::vec((prop::option::of(vector()), unit()), 0..3),
@@ -350,7 +353,7 @@ prop_compose! {
                 Some(direction) => View::from_direction(direction, None),
                 None => View { roll_deg, ..View::from_angles(angles[0], angles[1]) },
             },
-            volume: VolumeSource { window, ..file.map_or_else(VolumeSource::default, |file| VolumeSource {
+            volume: VolumeSource { window, labels, ..file.map_or_else(VolumeSource::default, |file| VolumeSource {
                 axes: FileAxes::Stored, time: Some(file.len()), ..VolumeSource::from_file(file)
             }) },
             lights: lights.into_iter()

@@ -62,6 +62,17 @@ impl WordConversion {
         let top = if bits < 32 { ((1u64 << bits) - 1) as f64 } else { f64::from(u32::MAX) };
         Self { window: Some([0.0, top]), ..Self::default() }
     }
+
+    /// The conversion of labels up to `largest` to words of `bits`, for tables that are indexed by the leading `table_bits` of a word: a
+    /// label is its own word, moved up by as many bits as the index drops, if there is room, so that each label has an entry of its own. A
+    /// label without a word becomes the largest one.
+    pub fn labels(largest: f64, bits: u32, table_bits: u32) -> Self {
+        let dropped = bits.saturating_sub(table_bits);
+        let top = f64::from((1_u32 << bits) - 1);
+        let moved = |shift: u32| top / f64::from(1_u32 << shift);
+        let shift = (0..=dropped).rev().find(|&shift| moved(shift).floor() >= largest).unwrap_or(0);
+        Self { window: Some([0.0, moved(shift)]), ..Self::default() }
+    }
 }
 
 /// What a conversion did, for the person who must trust it.
@@ -236,6 +247,38 @@ impl VoxelWords {
 }
 
 impl Volume {
+    /// The largest of a volume's labels. Samples that are not finite are left to [`Volume::to_words`].
+    ///
+    /// # Errors
+    ///
+    /// [`VolumeError::Parameter`] with the first voxel that is no whole number from 0 up, and for labels above 2^bits − 1.
+    pub fn largest_label(&self, bits: u32) -> Result<f64, VolumeError> {
+        check_bits(bits)?;
+        let wrong = |reason, remedy| Err(VolumeError::Parameter { name: "labels", reason, remedy });
+        let is_none = |value: f64| value.is_finite() && !(value >= 0.0 && value.fract() == 0.0);
+        let first = with_samples!(&self.samples, v => {
+            v.par_iter().position_first(|&s| is_none(s.into())).map(|index| (index, f64::from(v[index])))
+        });
+        if let Some((index, value)) = first {
+            let [nx, ny, _] = self.dims;
+            let at = [index % nx, index / nx % ny, index / nx / ny];
+            return wrong(
+                format!("voxel ({}, {}, {}) is {value}, and a label is a whole number from 0 up", at[0], at[1], at[2]),
+                "give a segmentation, or leave labels out",
+            );
+        }
+        let ((_, largest), _) = self.finite_range();
+        let top = f64::from((1_u32 << bits) - 1);
+        if largest > top {
+            let remedy = match bits {
+                16 => "number the labels anew, from 0 to 65535",
+                _ => "raise words.voxel_bits in the machine file, up to 16, or number the labels anew",
+            };
+            return wrong(format!("the largest is {largest}, and a voxel word of {bits} bits holds {top}"), remedy);
+        }
+        Ok(largest)
+    }
+
     /// The volume as words of `bits` bits: round((value − lo)/(hi − lo)·(2^bits − 1)), saturated;
     /// all 0 when lo = hi.
     ///

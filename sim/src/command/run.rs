@@ -7,7 +7,7 @@ use crate::inputs::{self, LoadedVolume};
 use crate::output::{SequenceFiles, write_run, write_whole};
 use crate::problem::{Outcome, Problem};
 use crate::reference::Reference;
-use crate::run::{RunOptions, Runs, run_frame_with};
+use crate::run::{RunOptions, Runs, conversion, run_frame_with};
 use crate::sequence::{MOST_FRAMES, Series, Shown, run_sequence};
 use crate::topology::Drawing;
 use crate::trace::{Format, Window};
@@ -38,6 +38,9 @@ pub struct RunArguments {
     /// Voxels along each side of the phantom.
     #[arg(long, value_name = "VOXELS", conflicts_with = "volume")]
     size: Option<usize>,
+    /// The volume's values are labels: each sample is its nearest voxel, and nothing is interpolated.
+    #[arg(long)]
+    labels: bool,
     #[command(flatten)]
     raw: RawArguments,
     /// A sequence of so many frames: volumes come in through the acquisition port, the view follows its path.
@@ -228,7 +231,7 @@ impl RunArguments {
                 let [x, y, z] = volume.words.dims;
                 inputs::check_memory(&scene, &machine, [x, y, z], options.runs == Runs::Cycle, &read)?;
                 let [nx, ny, nz] = volume.dims();
-                print(&format!("{}: {nx} × {ny} × {nz}\n{}\n", volume.source, volume.conversion))
+                print(&format!("{}: {nx} × {ny} × {nz}\n{}\n", volume.source, conversion(&scene, volume)))
             };
             let Some(frames) = self.frames.map(|frames| frames as usize) else {
                 let volume = inputs::volume(&scene, &machine, &read, self.mask_non_finite)?;
@@ -291,12 +294,12 @@ impl RunArguments {
     fn scene(&self) -> Outcome<Scene> {
         let mut scene = inputs::scene(self.scene.as_deref())?;
         if !self.volume.is_empty() {
-            let (window, axes) = (scene.volume.window, scene.volume.axes);
+            let VolumeSource { window, axes, labels, .. } = scene.volume;
             let source = match self.volume.as_slice() {
                 [file] => VolumeSource::from_file(file),
                 files => VolumeSource::from_files(files.to_vec()),
             };
-            scene.volume = VolumeSource { window, axes, ..source };
+            scene.volume = VolumeSource { window, axes, labels, ..source };
         }
         scene.volume.time = self.raw.time.or(scene.volume.time);
         if self.phantom.is_some() || self.size.is_some() {
@@ -313,6 +316,7 @@ impl RunArguments {
             scene.volume.phantom = self.phantom.clone().or(scene.volume.phantom);
             scene.volume.size_voxels = self.size.or(scene.volume.size_voxels);
         }
+        scene.volume.labels |= self.labels;
         scene.volume.phase = self.phase.or(scene.volume.phase);
         scene.volume.phase_per_frame = self.phase_per_frame.or(scene.volume.phase_per_frame);
         scene.path = self.turntable.map(Path::turntable).or(scene.path);

@@ -23,6 +23,9 @@ pub struct SceneArguments {
     /// Voxels along each side of the phantom.
     #[arg(long, value_name = "VOXELS", conflicts_with = "volume")]
     size: Option<usize>,
+    /// The values are labels: each sample is its nearest voxel, and nothing is interpolated.
+    #[arg(long)]
+    labels: bool,
     /// How a ray becomes a pixel.
     #[arg(long)]
     mode: Option<Mode>,
@@ -50,6 +53,7 @@ impl SceneArguments {
             ("--volume", self.volume.is_some()),
             ("--phantom", self.phantom.is_some()),
             ("--size", self.size.is_some()),
+            ("--labels", self.labels),
             ("--mode", self.mode.is_some()),
             ("--yaw", self.yaw.is_some()),
             ("--tilt", self.tilt.is_some()),
@@ -68,8 +72,8 @@ impl SceneArguments {
             default(&mut scene);
         }
         if let Some(file) = &self.volume {
-            let (window, axes) = (scene.volume.window, scene.volume.axes);
-            scene.volume = VolumeSource { window, axes, ..VolumeSource::from_file(file) };
+            let VolumeSource { window, axes, labels, .. } = scene.volume;
+            scene.volume = VolumeSource { window, axes, labels, ..VolumeSource::from_file(file) };
         }
         if self.phantom.is_some() || self.size.is_some() {
             if self.phantom.is_none() && scene.volume.phantom.is_none() {
@@ -79,9 +83,10 @@ impl SceneArguments {
             }
             let size = self.size.or(scene.volume.size_voxels);
             let phantom = self.phantom.clone().or(scene.volume.phantom);
-            scene.volume =
-                VolumeSource { phantom, size_voxels: size, window: scene.volume.window, ..VolumeSource::default() };
+            let VolumeSource { window, labels, .. } = scene.volume;
+            scene.volume = VolumeSource { phantom, size_voxels: size, window, labels, ..VolumeSource::default() };
         }
+        scene.volume.labels |= self.labels;
         if self.yaw.is_some() || self.tilt.is_some() {
             (scene.view.direction, scene.view.up) = (None, None);
         }

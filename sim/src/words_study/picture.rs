@@ -11,7 +11,8 @@ use crate::progress::Progress;
 use crate::reference::{Reference, check_reference, reference_picture};
 use cube3_abc::golden::{gradient, normalise};
 use cube3_host::{
-    Basis, DiscreteRay, FrameSetup, MachineSpec, PictureFrames, RayEnds, picture_setup, step_length, warp_passes,
+    Basis, DiscreteRay, FrameSetup, MachineSpec, PictureFrames, RayEnds, VolumeInfo, picture_setup, step_length,
+    warp_passes,
 };
 use cube3_metrics::{Picture, compare, footprint, mean_angle_deg};
 use cube3_raycast::{Interpolation, RaySamples};
@@ -133,6 +134,8 @@ pub struct SceneCase<'a> {
     scene: &'a Scene,
     machine: &'a MachineSpec,
     volume: &'a LoadedVolume,
+    /// The largest value of the data.
+    largest: f64,
     /// By weight bits, on which the positions of the samples depend.
     ideals: BTreeMap<u32, Ideal>,
     gradients: HashMap<GradientKey, Option<GradientError>>,
@@ -152,6 +155,7 @@ impl<'a> SceneCase<'a> {
             scene,
             machine,
             volume,
+            largest: volume.data.finite_range().0.1,
             ideals: BTreeMap::new(),
             gradients: HashMap::new(),
             rays: ThinCase::new(),
@@ -188,8 +192,18 @@ impl<'a> SceneCase<'a> {
             .collect()
     }
 
+    /// The window of voxel words of so many bits: the data's, and of labels their own, where what has no word becomes the largest.
+    fn window(&self, bits: u32) -> [f64; 2] {
+        let own = self.volume.words.window;
+        if !self.scene.volume.labels {
+            return own;
+        }
+        WordConversion::labels(self.largest, bits, self.machine.words.table_bits).window.unwrap_or(own)
+    }
+
     fn frames(&self, design: &Design) -> Outcome<PictureFrames> {
-        Ok(picture_setup(self.scene, &design.machine(self.machine), &self.volume.info(), true)?)
+        let info = VolumeInfo { window: self.window(design.words.voxel_bits), ..self.volume.info() };
+        Ok(picture_setup(self.scene, &design.machine(self.machine), &info, true)?)
     }
 
     fn find_ideals(&mut self, designs: &[Design]) -> Outcome<()> {
@@ -223,7 +237,7 @@ impl<'a> SceneCase<'a> {
     /// Measures designs whose voxel words are the same.
     fn measure_voxels(&mut self, (bits, rounding): VoxelKey, designs: &[Design]) -> Outcome<()> {
         let conversion = WordConversion {
-            window: Some(self.volume.words.window),
+            window: Some(self.window(bits)),
             rounding: match rounding {
                 Rounding::Nearest => WordRounding::Nearest,
                 Rounding::Truncate => WordRounding::Truncate,
