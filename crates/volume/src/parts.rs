@@ -34,6 +34,8 @@ pub(crate) struct Parts<'a> {
     given: u64,
     /// Numbers given by all.
     all: u64,
+    /// Whether bytes are unpacked on the way.
+    packed: bool,
     place: Place,
 }
 
@@ -51,6 +53,10 @@ enum Stream<'a> {
 impl<'a> Parts<'a> {
     /// `total` numbers in all.
     pub fn new(layout: &'a Layout, data: Data<'a>, total: u64, place: &Place) -> Result<Self, VolumeError> {
+        let packed = match &data {
+            Data::Here(source) => source.is_packed(),
+            Data::Beside { unpack, .. } => *unpack,
+        };
         let data: VecDeque<Part> = match data {
             Data::Here(source) => VecDeque::from([Part::Open(source)]),
             Data::Beside { files, unpack } => files.into_iter().map(|file| Part::File(file, unpack)).collect(),
@@ -64,7 +70,13 @@ impl<'a> Parts<'a> {
             ));
         }
         let place = place.clone();
-        Ok(Self { layout, data, each: total / files, stream: None, left: 0, given: 0, all: 0, place })
+        let each = total / files;
+        Ok(Self { layout, data, each, stream: None, left: 0, given: 0, all: 0, packed, place })
+    }
+
+    /// Whether the numbers stand in the files as they are.
+    pub fn is_plain(&self) -> bool {
+        self.layout.encoding == Encoding::Raw && !self.packed
     }
 
     /// Passes over numbers; whole files are not opened for it.

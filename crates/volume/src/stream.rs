@@ -19,8 +19,10 @@ use crate::samples::Stored;
 use crate::world::AxisOrder;
 use crate::{ReadOptions, Sample, SampleType, Samples, VolumeError};
 
-/// Bytes of a block.
-const BLOCK_BYTES: usize = 4 << 20;
+/// Bytes of a block: what one core unpacks is still in its cache when the other takes it.
+const BLOCK_BYTES: usize = 1 << 19;
+/// Bytes of a block whose slices become columns: the more slices, the longer the runs that are written.
+const WIDE_BLOCK_BYTES: usize = 6 << 20;
 /// Side of the tiles in which axes are turned: what is read and written for one stays in the first cache.
 const TILE: usize = 64;
 
@@ -220,7 +222,7 @@ impl Job<'_> {
     /// Numbers that stay what they are: where nothing is unpacked or turned they go straight to their place.
     fn read_as<T: Kept>(&self, mut parts: Parts) -> Result<Vec<T>, VolumeError> {
         let straight = self.order.is_stored() && matches!(self.layout.series, Series::After(_));
-        if straight && self.layout.encoding == Encoding::Raw {
+        if straight && parts.is_plain() {
             let mut samples = self.room()?;
             parts.fill::<T>(&mut samples)?;
             parts.finish()?;
@@ -240,10 +242,11 @@ impl Job<'_> {
             Series::Within(volumes) => volumes as usize,
             Series::After(_) => 1,
         };
-        let most = BLOCK_BYTES / size_of::<T>() / within;
+        let (first, strides) = self.order.strides(dims);
+        let bytes = if strides[2].abs() == 1 { WIDE_BLOCK_BYTES } else { BLOCK_BYTES };
+        let most = bytes / size_of::<T>() / within;
         let largest = blocks(dims, most).next().map_or(0, |block| block.len()) * within;
         let mut samples: Vec<S> = self.room()?;
-        let (first, strides) = self.order.strides(dims);
         let mut put = |block: &Block, numbers: &[T]| self.put(block, numbers, &mut samples, (first, strides), &convert);
         let fill = |parts: &mut Parts, block: &Block, buffer: &mut [T]| {
             let numbers = &mut buffer[..block.len() * within];
@@ -327,19 +330,38 @@ impl Job<'_> {
                             + b_at as isize * strides[b]
                             + a_at as isize * strides[a]
                             + fast_from as isize * strides[fast];
-                        let run = numbers[source..].iter().step_by(sources[fast]).take(length);
-                        let put = |(number, sample): (&T, &mut S)| match convert(*number) {
-                            Some(converted) => {
-                                *sample = converted;
-                                true
-                            }
-                            None => false,
+                        // A run that is broken off is searched afterwards: this loop has nothing to decide.
+                        let mut good = true;
+                        let mut put = |number: &T, sample: &mut S| match convert(*number) {
+                            Some(converted) => *sample = converted,
+                            None => good = false,
                         };
-                        let stopped = if strides[fast] > 0 {
-                            run.zip(&mut samples[to as usize..][..length]).position(|pair| !put(pair))
+                        let run = if strides[fast] > 0 {
+                            &mut samples[to as usize..][..length]
                         } else {
-                            let until = to as usize + 1;
-                            run.zip(samples[until - length..until].iter_mut().rev()).position(|pair| !put(pair))
+                            &mut samples[to as usize + 1 - length..][..length]
+                        };
+                        match (sources[fast], strides[fast] > 0) {
+                            (1, true) => {
+                                numbers[source..][..length].iter().zip(run).for_each(|(n, s)| put(n, s));
+                            }
+                            (1, false) => {
+                                numbers[source..][..length]
+                                    .iter()
+                                    .zip(run.iter_mut().rev())
+                                    .for_each(|(n, s)| put(n, s));
+                            }
+                            (step, true) => {
+                                run.iter_mut().enumerate().for_each(|(f, s)| put(&numbers[source + f * step], s));
+                            }
+                            (step, false) => {
+                                run.iter_mut().rev().enumerate().for_each(|(f, s)| put(&numbers[source + f * step], s));
+                            }
+                        }
+                        let stopped = if good {
+                            None
+                        } else {
+                            (0..length).find(|f| convert(numbers[source + f * sources[fast]]).is_none())
                         };
                         if let Some(stopped) = stopped {
                             return Err(bad(source + stopped * sources[fast]));
