@@ -31,4 +31,5 @@ pub mod run;
 pub mod sequence;
 pub mod topology;
 pub mod trace;
+mod vector_files;
 pub mod words_study;

@@ -7,14 +7,13 @@
 //!   <unit>.expected.<port>, <unit>.got.<port>
 //! ```
 
-use crate::compare::Responses;
-use crate::{Field, Recorder, Unit, Vectors, bits_of};
+use crate::compare::{Compared, Mismatch};
+use crate::{Field, Recorder, Set, Unit, bits_of};
 use fst_writer::{
     FstFileType, FstHeaderWriter, FstInfo, FstScopeType, FstSignalId, FstSignalType, FstVarDirection, FstVarType,
     FstWriteError,
 };
 use std::io::Cursor;
-use std::ops::Range;
 
 type Header = FstHeaderWriter<Cursor<Vec<u8>>>;
 
@@ -49,34 +48,29 @@ fn variables(header: &mut Header, name: &str, fields: &[Field]) -> Result<Vec<Fs
     signals
 }
 
-/// The waveform of some lines.
+/// The waveform of the lines around a mismatch.
 ///
 /// # Errors
 /// What the writer of the format says.
-pub fn write(
-    unit: &dyn Unit,
-    vectors: &Vectors,
-    responses: &Responses,
-    lines: Range<usize>,
-) -> Result<Vec<u8>, FstWriteError> {
+pub fn write(unit: &dyn Unit, set: &Set, mismatch: &Mismatch) -> Result<Vec<u8>, FstWriteError> {
     let info = FstInfo {
-        start_time: lines.start as u64 * LINE,
+        start_time: mismatch.from as u64 * LINE,
         timescale_exponent: -9,
         version: format!("cube3 {}", env!("CARGO_PKG_VERSION")),
         date: String::new(),
         file_type: FstFileType::Verilog,
     };
-    let sheet = &vectors.sheet;
+    let sheet = &set.sheet;
     let mut header = FstHeaderWriter::write_to_mem(&info)?;
     scope(&mut header, sheet.name)?;
     let number = variable(&mut header, "line", 32)?;
     let differs = variable(&mut header, "differs", 1)?;
-    let inputs = variables(&mut header, "in", &vectors.fields[0])?;
+    let inputs = variables(&mut header, "in", &set.fields[0])?;
     scope(&mut header, "wires")?;
     let mut wires = Vec::new();
     for wire in &sheet.wires {
-        let count = vectors.format.evaluate(wire.count).unwrap_or(1).max(1) as usize;
-        let ends = [0, 1].map(|end| vectors.format.evaluate(wire.range[end]).unwrap_or(0));
+        let count = set.format.evaluate(wire.count).unwrap_or(1).max(1) as usize;
+        let ends = [0, 1].map(|end| set.format.evaluate(wire.range[end]).unwrap_or(0));
         let bits = bits_of(ends);
         let mut row = Vec::new();
         for place in 0..count {
@@ -86,21 +80,21 @@ pub fn write(
         wires.push((row, bits));
     }
     header.up_scope()?;
-    let expected = variables(&mut header, "expected", &vectors.fields[1])?;
-    let got = variables(&mut header, "got", &vectors.fields[1])?;
+    let expected = variables(&mut header, "expected", &set.fields[1])?;
+    let got = variables(&mut header, "got", &set.fields[1])?;
     header.up_scope()?;
     let mut body = header.finish()?;
     let mut recorder = Recorder::default();
-    for line in lines.clone() {
+    for (line, Compared { inputs: values, outputs, answers }) in (mismatch.from..).zip(&mismatch.around) {
         body.time_change(line as u64 * LINE)?;
         body.signal_change(number, &digits(line as u128, 32))?;
-        for ((field, value), signal) in vectors.fields[0].iter().zip(&vectors.inputs[line]).zip(&inputs) {
+        for ((field, value), signal) in set.fields[0].iter().zip(values).zip(&inputs) {
             body.signal_change(*signal, &digits(*value as u128, field.bits))?;
         }
         let mut carried: Vec<Vec<Vec<u8>>> = wires.iter().map(|(row, bits)| vec![unknown(*bits); row.len()]).collect();
         if !sheet.clocked {
             recorder.clear();
-            unit.evaluate(&vectors.format, &vectors.tables, &vectors.inputs[line], &mut recorder);
+            unit.evaluate(&set.format, &set.tables, values, &mut recorder);
             for seen in recorder.seen() {
                 let wire = sheet.wire(seen.part, seen.name);
                 if let Some((place, bits)) =
@@ -116,15 +110,15 @@ pub fn write(
             }
         }
         let mut wrong = false;
-        for (i, field) in vectors.fields[1].iter().enumerate() {
-            let right = digits(vectors.outputs[line][i] as u128, field.bits);
-            let answer = responses.lines[line][i].bits.map_or(unknown(field.bits), |bits| digits(bits, field.bits));
+        for (i, field) in set.fields[1].iter().enumerate() {
+            let right = digits(outputs[i] as u128, field.bits);
+            let answer = answers[i].bits.map_or(unknown(field.bits), |bits| digits(bits, field.bits));
             wrong |= right != answer;
             body.signal_change(expected[i], &right)?;
             body.signal_change(got[i], &answer)?;
         }
         body.signal_change(differs, if wrong { b"1" } else { b"0" })?;
     }
-    body.time_change(lines.end as u64 * LINE)?;
+    body.time_change((mismatch.from + mismatch.around.len()) as u64 * LINE)?;
     Ok(body.finish()?.into_inner())
 }
