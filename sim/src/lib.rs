@@ -17,6 +17,7 @@ pub mod inputs;
 pub mod limits;
 pub mod links;
 pub mod machine;
+pub mod memory;
 pub mod notes;
 pub mod opacity_check;
 pub mod output;

@@ -34,7 +34,7 @@ use std::sync::Arc;
 pub const MOST_FRAMES: usize = 100_000;
 
 /// Volumes that are kept: a torn frame shows two or three, and the next frame the last of them again.
-const KEPT_VOLUMES: usize = 4;
+pub(crate) const KEPT_VOLUMES: usize = 4;
 
 /// The volumes of a sequence, in the order of time.
 pub struct Series {
@@ -99,8 +99,12 @@ impl Series {
 
     /// How many volumes there are; a phantom that moves has no end.
     pub fn count(&self) -> Option<u64> {
-        let moves = self.source.phantom.as_ref().is_some_and(|name| name.parse().is_ok_and(Phantom::moves));
-        (!moves).then(|| self.source.files.len().max(1) as u64)
+        count(&self.source)
+    }
+
+    /// Whether a source has more than one volume.
+    pub fn moves(source: &VolumeSource) -> bool {
+        count(source) != Some(1)
     }
 
     /// Volume `index`, from 0; behind the last, the last.
@@ -132,6 +136,12 @@ impl Series {
         self.kept.push_back((index, Arc::clone(&volume)));
         Ok(volume)
     }
+}
+
+/// How many volumes a source has; a phantom that moves has no end.
+fn count(source: &VolumeSource) -> Option<u64> {
+    let moves = source.phantom.as_ref().is_some_and(|name| name.parse().is_ok_and(Phantom::moves));
+    (!moves).then(|| source.files.len().max(1) as u64)
 }
 
 /// Volume `index` of a source.
@@ -179,7 +189,7 @@ struct Clocked {
 /// Runs a sequence of frames; each picture is given to `take` as soon as it is there.
 ///
 /// # Errors
-/// A scene, machine or volume that cannot be run, a machine that cannot move, more memory than there is, and what `take` refuses.
+/// A scene, machine or volume that cannot be run, a machine that cannot move, and what `take` refuses.
 pub fn run_sequence(
     scene: &Scene,
     machine: &MachineSpec,
@@ -191,7 +201,6 @@ pub fn run_sequence(
     let total = Progress::new("total");
     let first = Arc::clone(&series.first);
     let moves = series.count() != Some(1);
-    check_memory(scene, machine, series, frames, options)?;
     let views: Vec<Scene> =
         (0..frames).map(|frame| scene_at(scene, frame, frames).thickened(first.single).into_owned()).collect();
     let set_up = |frame: usize| {
@@ -499,36 +508,4 @@ fn acquisition(port: &AcquisitionPort, machine: &MachineSpec, cycles: u64, torn_
         buffers,
         torn_frames,
     }
-}
-
-/// Refuses a sequence that would not fit into memory: the registers of all frames, what each beam has seen, the volumes kept,
-/// and with real data the base planes.
-fn check_memory(
-    scene: &Scene,
-    machine: &MachineSpec,
-    series: &Series,
-    frames: usize,
-    options: &RunOptions,
-) -> Outcome<()> {
-    let dims = series.first.words.dims;
-    let frames = frames as u64;
-    let face = dims.iter().map(|&n| n as u64).max().unwrap_or(0).pow(2);
-    let voxels: u64 = dims.iter().map(|&n| n as u64).product();
-    let rows = if scene.transfer.is_two_dimensional() { machine.words.table_gradient_bits } else { 0 };
-    // An entry of the table has four words of 32 bits; other registers and templates take less than 64 KiB.
-    let registers = (16_u64 << (machine.words.table_bits + rows)) + (1 << 16);
-    let moves = series.count() != Some(1);
-    // Samples of up to 8 bytes and words of 2, of the volumes kept and the one that is put together.
-    let volumes = if moves { (KEPT_VOLUMES as u64 + 1) * voxels * 10 } else { 0 };
-    let each = registers
-        + if moves { 8 * face } else { 0 }
-        + if options.runs == Runs::Cycle { 4 * face * 16 + registers } else { 0 };
-    let bytes = frames.saturating_mul(each).saturating_add(volumes);
-    let limit = series.options.limit();
-    if bytes > limit {
-        return Err(Problem::new(format!(
-            "--frames {frames} would take {bytes} bytes of memory, and {limit} are free: give fewer frames, or crop the volume"
-        )));
-    }
-    Ok(())
 }

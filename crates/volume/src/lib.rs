@@ -35,7 +35,7 @@ mod write;
 
 pub use error::{NonFinite, VolumeError};
 pub use format::Format;
-pub use limits::ReadOptions;
+pub use limits::{Memory, MemoryBound, ReadOptions, available_memory, memory_bounds};
 pub use open::{read, read_bytes};
 pub use phantom::{Phantom, PhantomParams};
 pub use raw::{Endian, RawLayout};

@@ -4,10 +4,12 @@ use super::run::print;
 use super::scene::SceneArguments;
 use crate::inputs;
 use crate::machine::Machine;
+use crate::memory::{self, Case, Grid};
 use crate::output::{make_folder, write_whole};
 use crate::problem::{Outcome, Problem};
 use crate::record::{Recording, Run, Window};
 use crate::rtl_frame;
+use crate::run::Runs;
 use crate::vector_files::SetFiles;
 use clap::Args;
 use cube3_host::{BasePlane, picture_setup};
@@ -198,6 +200,7 @@ impl VectorsArguments {
         let count = self.unit.lines()?;
         make_folder(&self.out, "--out")?;
         for unit in asked {
+            memory::set(unit.as_ref(), &format, false)?.check()?;
             let set = Set::new(unit.as_ref(), format, self.unit.seed)?;
             let mut lines = Lines::new(unit.as_ref(), &set)?;
             self.write(unit.as_ref(), &set, |take| match self.reference {
@@ -275,9 +278,22 @@ impl VectorsArguments {
         })?;
         let mut machine = self.scene.machine(&self.unit.machine)?;
         let read = ReadOptions::default();
+        let case = Case {
+            scene: &scene,
+            machine: &machine,
+            grid: Grid::of_scene(&scene.volume, &read)?,
+            runs: Runs::Cycle,
+            reference: false,
+            mask: false,
+            threads: memory::threads(None),
+        };
+        if self.frame {
+            case.rtl_frame().check()?
+        } else {
+            case.recording().check()?
+        }
         let volume = inputs::volume(&scene, &machine, &read, false)?;
         let scene = scene.thickened(volume.single);
-        inputs::check_memory(&scene, &machine, volume.words.dims, true, &read)?;
         make_folder(&self.out, "--out")?;
         let (dims, voxels) = (volume.words.dims, &volume.words.words);
         if self.frame {

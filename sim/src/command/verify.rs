@@ -5,6 +5,7 @@ use super::vectors::{UnitArguments, unit};
 use super::words::WordsArguments;
 use crate::inputs;
 use crate::machine::Machine;
+use crate::memory;
 use crate::output::{make_folder, write_whole};
 use crate::problem::{Outcome, Problem};
 use crate::record::{Run, defined_base_plane};
@@ -157,7 +158,9 @@ impl VerifyArguments {
                 Problem::new("--unit is missing: a device is compared with one unit; `cube3 vectors --list` names them")
             })?;
             let unit = unit(name)?;
-            let (set, count) = (Set::new(unit.as_ref(), self.unit.format()?, self.unit.seed)?, self.unit.lines()?);
+            let (format, count) = (self.unit.format()?, self.unit.lines()?);
+            memory::set(unit.as_ref(), &format, false)?.check()?;
+            let set = Set::new(unit.as_ref(), format, self.unit.seed)?;
             make_folder(&self.out, "--out")?;
             let files = SetFiles::write(&self.out, unit.as_ref(), &set, None, |take| {
                 Lines::new(unit.as_ref(), &set)?.take(count).try_for_each(take)
@@ -170,6 +173,7 @@ impl VerifyArguments {
         if self.unit.unit.as_ref().is_some_and(|name| *name != header.unit) {
             return Err(at(path, format!("these are vectors of {}; leave out --unit", header.unit)));
         }
+        memory::set(unit.as_ref(), &header.format, false)?.check()?;
         let mut tables = Tables::new();
         for of in unit.sheet().tables {
             // Beside the vectors, with the table's name before the extension.
@@ -208,6 +212,7 @@ impl VerifyArguments {
             let name = unit.sheet().name;
             let (mut lines, mut answered, mut equal, mut wires, mut hold) = (0, 0, 0, 0, 0);
             for format in &formats {
+                memory::set(unit.as_ref(), format, true)?.check()?;
                 let set = Set::new(unit.as_ref(), *format, self.unit.seed)?;
                 let (mismatch, compared) = lanes(unit.as_ref(), &set, count)?;
                 lines += count;

@@ -2,6 +2,7 @@
 
 use super::run::print;
 use super::{RawArguments, spacing};
+use crate::memory::{self, Grid};
 use crate::problem::Outcome;
 use crate::progress::Waiting;
 use clap::{Args, Subcommand};
@@ -93,14 +94,20 @@ impl VolumeArguments {
         let _waiting = Waiting::new("volume");
         match self.command {
             VolumeCommand::Info { file: Some(file), raw } => {
-                let volume = read(&file, &raw.read_options()?)?;
+                let read_options = raw.read_options()?;
+                let grid = Grid::of_file(&file, &read_options)?;
+                memory::volume(&file.display().to_string(), &grid, false).check()?;
+                let volume = read(&file, &read_options)?;
                 info(&file.display().to_string(), &volume)
             }
             VolumeCommand::Info { file: None, .. } => {
                 info("phantom head", &Phantom::Head.generate(128, &PhantomParams::default())?)
             }
             VolumeCommand::Convert { from, to, raw, bits, window, uncompressed } => {
-                let volume = read(&from, &raw.read_options()?)?;
+                let read_options = raw.read_options()?;
+                let grid = Grid::of_file(&from, &read_options)?;
+                memory::volume(&from.display().to_string(), &grid, bits.is_some()).check()?;
+                let volume = read(&from, &read_options)?;
                 let volume = match bits {
                     Some(bits) => to_words(&volume, bits, window)?,
                     None => volume,
@@ -109,6 +116,7 @@ impl VolumeArguments {
             }
             VolumeCommand::Phantom { name, size, radius, ramp, centre, period, phase, out } => {
                 let params = PhantomParams { radius, ramp, centre, period, phase };
+                memory::volume(&format!("the phantom {name}"), &Grid::of_phantom(&name, size)?, false).check()?;
                 let volume = name.parse::<Phantom>()?.generate(size, &params)?;
                 let out = out.unwrap_or_else(|| PathBuf::from(format!("{name}.nrrd")));
                 save(&out, &volume, false)
