@@ -246,7 +246,7 @@ impl Case<'_> {
         let perspective = self.scene.view.perspective.is_some();
         let classes = if perspective || self.machine.rays.ends == RayEnds::Exact { 16 } else { 1 };
         let entries = 1_u64 << (words.table_bits + rows);
-        let reflectance = 6 * 24 << (2 * self.machine.abc.reflectance_bits);
+        let reflectance = (6 * 24) << (2 * self.machine.abc.reflectance_bits);
         4 * (self.passes() * (4 * entries * classes + 16 * entries + reflectance) + (4 << self.machine.abc.root_bits))
     }
 
