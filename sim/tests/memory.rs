@@ -124,13 +124,16 @@ fn estimates_are_bounds_and_not_silly() {
     cases.push((words("volume convert fog.nrrd fog16.nrrd --bits 12"), memory::volume("fog.nrrd", &fog, true)));
     let of = |name: &str| units().into_iter().find(|unit| unit.sheet().name == name).unwrap();
     let lanes = |lanes| Format { lanes, ..Format::default() };
-    for (name, setting, format) in [("dsb", "lanes=512", lanes(512)), ("cone", "leaves=64", lanes(64))] {
+    for (name, setting, format) in [("dsb", "lanes=512", lanes(512)), ("cone", "leaves=256", lanes(256))] {
         let line = format!("verify --unit {name} --set {setting} --count 20 --out out");
         cases.push((words(&line), memory::set(of(name).as_ref(), &format, true).unwrap()));
     }
     let tables = Format { rows: 64, ..Format::default() };
     let line = "vectors --unit classify --set rows=64 --count 20000 --out out";
     cases.push((words(line), memory::set(of("classify").as_ref(), &tables, false).unwrap()));
+    // Lines stream: more of them take no more.
+    let line = "vectors --unit gradient-26 --count 100000 --out out";
+    cases.push((words(line), memory::set(of("gradient-26").as_ref(), &Format::default(), false).unwrap()));
     for (words, need) in cases {
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
         let (taken, told) = (peak(folder.path(), &words), need.bytes());
