@@ -40,7 +40,7 @@ pub struct Measurement {
 const WINDOW_CYCLES: u64 = 1000;
 
 /// Bytes that the bandwidth test copies from and to, each: several times any cache.
-const COPY_BYTES: usize = 256 << 20;
+pub const COPY_BYTES: usize = 256 << 20;
 
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);

@@ -213,38 +213,6 @@ fn convert(
     Ok(LoadedVolume { source, single, data, words, conversion, notes: Vec::new() })
 }
 
-/// Refuses what would not fit into memory, before any is taken: pictures, base plane, and the planes between the units. `cycle` is
-/// a run with real data in every token.
-///
-/// # Errors
-/// More than the limit.
-pub fn check_memory(
-    scene: &Scene,
-    machine: &MachineSpec,
-    dims: [usize; 3],
-    cycle: bool,
-    options: &ReadOptions,
-) -> Outcome<()> {
-    let pixels = u64::from(scene.image.width_px) * u64::from(scene.image.height_px);
-    let voxels: u64 = dims.iter().map(|&n| n as u64).product();
-    // Pictures: four of three doubles and four of three bytes. A turned copy of the words; a base plane of four times a face.
-    let face = dims.iter().map(|&n| n as u64).max().unwrap_or(0).pow(2);
-    // A function worker has five planes of samples; the skewed buffers and the ABC units up to twice as wide ones.
-    let planes = if cycle {
-        2 * face * (2 * (machine.dsb.planes as u64 + 1) + 4 * 6) + voxels * 2
-    } else {
-        rayon::current_num_threads() as u64 * 5 * 4 * (face + 4096)
-    };
-    let bytes = pixels * (4 * 24 + 12) + voxels * 2 + 4 * face * (16 + 32) + planes;
-    let limit = options.limit();
-    if bytes > limit {
-        return Err(Problem::new(format!(
-            "this run would take {bytes} bytes of memory beyond the volume, and {limit} are free: lower image.width_px and image.height_px, or crop the volume"
-        )));
-    }
-    Ok(())
-}
-
 /// Reads a scene file, or takes the default scene.
 ///
 /// # Errors

@@ -4,6 +4,7 @@
 //! and the first slot come last where slots are shared, as [`AbcSpec::order`] says. Values are those of the unit crates'
 //! definitions on the frame's registers and voxels, which the cycle machine equals to the bit; channels are those of a timing run.
 
+use crate::fidelity::Timing;
 use crate::machine::{Machine, RunError};
 use crate::trace::{self, Recorder};
 use cube3_abc::AbcSpec;
@@ -21,8 +22,7 @@ use cube3_host::{
     RaySlots, Shading,
 };
 use cube3_trilin::golden::{Weights, cell, lift};
-use cube3_vectors::{ExpressionError, Format, Tables, Unit, Vectors};
-use std::convert::Infallible;
+use cube3_vectors::{ExpressionError, Format, Set, Tables, Unit, Vectors};
 use std::ops::ControlFlow::{self, Break, Continue};
 
 /// Most rays that share a slot of the unit `cone`.
@@ -141,7 +141,7 @@ pub enum RecordError {
     FrameBuffer(#[from] FrameBufferError),
 }
 
-/// The vectors of a unit from a run: the format is the machine's with what the frame's registers set, and tables are the frame's.
+/// The traffic of a unit in a run: the format is the machine's with what the frame's registers set, and tables are the frame's.
 ///
 /// - `lerp` is the first along w of each TRILIN unit: of rays (u, v).
 /// - From the gradient on, samples inside of every half-space; from the light on, those of them that are not transparent. `clip`
@@ -150,35 +150,92 @@ pub enum RecordError {
 /// - `cone` has a line for each chunk of a slot, of a tree with as many leaves as the machine has lanes.
 /// - `cfb` and `bus` are what beams are read and turned by, `dsb` where rays are read.
 /// - `channel` begins at the first cycle of the window in which the channel is empty; data are the tokens' numbers modulo 2^16.
-///
-/// # Errors
-/// A window or channel that is not there, a unit that the frame does not use, traffic that the unit's vectors cannot hold.
-pub fn record(run: &Run<'_>, unit: &dyn Unit, window: &Window<'_>) -> Result<Vectors, RecordError> {
-    let name = unit.sheet().name;
-    let frames = run.frames.len();
-    let setup = run.frames.get(window.frame).ok_or(RecordError::Frame { frame: window.frame, frames })?;
-    if name == "classify" && setup.ends.is_some() {
-        return Err(RecordError::Ends);
-    }
-    let mut format = format(run, setup, name);
-    let inputs = if name == "channel" {
-        channel(run, window, &mut format)?
-    } else {
-        let frame = Frame { run, setup };
-        if let Some(reason) = frame.idle(name) {
+pub struct Recording<'a> {
+    run: &'a Run<'a>,
+    window: &'a Window<'a>,
+    set: Set,
+}
+
+impl<'a> Recording<'a> {
+    /// The recording of a unit, before its first line.
+    ///
+    /// # Errors
+    /// A frame or channel that is not there, a unit that the frame does not use.
+    pub fn new(run: &'a Run<'a>, unit: &dyn Unit, window: &'a Window<'a>) -> Result<Recording<'a>, RecordError> {
+        let name = unit.sheet().name;
+        let frames = run.frames.len();
+        let setup = run.frames.get(window.frame).ok_or(RecordError::Frame { frame: window.frame, frames })?;
+        if name == "classify" && setup.ends.is_some() {
+            return Err(RecordError::Ends);
+        }
+        let mut format = format(run, setup, name);
+        if name == "channel" {
+            let (machine, place) = channel(run, window)?;
+            let reading = machine.counters().channels[place];
+            (format.capacity, format.latency) = (reading.capacity as u32, reading.latency as u32);
+        } else if let Some(reason) = (Frame { run, setup }).idle(name) {
             return Err(RecordError::Idle { unit: name, reason });
         }
-        let mut lines = Lines { first: window.first, count: window.count, seen: 0, lines: Vec::new() };
-        let _ = frame.traffic(name, &mut lines)?;
-        if lines.lines.is_empty() && lines.seen <= window.first && window.count > 0 {
-            return Err(RecordError::Beyond { unit: name, found: lines.seen, first: window.first });
+        let set = Set::with_tables(unit, format, 0, tables(setup, name, unit, &format))?;
+        Ok(Recording { run, window, set })
+    }
+
+    /// What the lines have in common.
+    pub fn set(&self) -> &Set {
+        &self.set
+    }
+
+    /// Gives the input fields of each line of the window to `take`, in order.
+    ///
+    /// # Errors
+    /// A window behind the last line, traffic that the unit's vectors cannot hold, and what `take` says.
+    pub fn lines<E: From<RecordError>>(&self, take: &mut dyn FnMut(Vec<i128>) -> Result<(), E>) -> Result<(), E> {
+        let Recording { run, window, set } = self;
+        let name = set.sheet.name;
+        let mut checked = |line: usize, inputs: Vec<i128>| {
+            check(set, line, &inputs)?;
+            take(inputs)
+        };
+        if name == "channel" {
+            return cycles(run, window, &mut checked);
         }
-        lines.lines
-    };
-    let tables = tables(setup, name, unit, &format);
-    let vectors = Vectors::with_tables(unit, format, 0, tables, Vec::new())?;
-    check(&vectors, &inputs)?;
-    Ok(Vectors::with_tables(unit, format, 0, vectors.tables, inputs)?)
+        let frame = Frame { run, setup: &run.frames[window.frame] };
+        let mut failed = None;
+        let mut lines = Lines {
+            first: window.first,
+            count: window.count,
+            seen: 0,
+            taken: 0,
+            take: &mut |line, inputs| {
+                let taken = checked(line, inputs);
+                failed = taken.err();
+                if failed.is_none() { Continue(()) } else { Break(()) }
+            },
+        };
+        let _ = frame.traffic(name, &mut lines).map_err(RecordError::from)?;
+        let (taken, seen) = (lines.taken, lines.seen);
+        match failed {
+            Some(error) => Err(error),
+            None if taken == 0 && seen <= window.first && window.count > 0 => {
+                Err(RecordError::Beyond { unit: name, found: seen, first: window.first }.into())
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// The vectors of a unit from a run, in memory.
+///
+/// # Errors
+/// Those of [`Recording`].
+pub fn record(run: &Run<'_>, unit: &dyn Unit, window: &Window<'_>) -> Result<Vectors, RecordError> {
+    let recording = Recording::new(run, unit, window)?;
+    let mut inputs = Vec::new();
+    recording.lines(&mut |line| {
+        inputs.push(line);
+        Ok::<(), RecordError>(())
+    })?;
+    Ok(Vectors::of(unit, recording.set, inputs))
 }
 
 /// The base plane of a frame by the definitions alone, sample by sample and ray by ray: no beam, no token, no lanes.
@@ -200,16 +257,14 @@ pub fn defined_base_plane(run: &Run<'_>, frame: usize) -> Result<BasePlane, Reco
     Ok(base)
 }
 
-/// Whether the unit's vectors hold the lines.
-fn check(vectors: &Vectors, inputs: &[Vec<i128>]) -> Result<(), RecordError> {
-    for (line, inputs) in inputs.iter().enumerate() {
-        for (field, &value) in vectors.fields[0].iter().zip(inputs) {
-            let [low, high] = field.range;
-            if !(low..=high).contains(&value) {
-                let unit = vectors.sheet.name;
-                let remedy = "take a smaller volume or another view";
-                return Err(RecordError::Value { unit, line, field: field.name.clone(), value, low, high, remedy });
-            }
+/// Whether the unit's vectors hold a line.
+fn check(set: &Set, line: usize, inputs: &[i128]) -> Result<(), RecordError> {
+    for (field, &value) in set.fields[0].iter().zip(inputs) {
+        let [low, high] = field.range;
+        if !(low..=high).contains(&value) {
+            let unit = set.sheet.name;
+            let remedy = "take a smaller volume or another view";
+            return Err(RecordError::Value { unit, line, field: field.name.clone(), value, low, high, remedy });
         }
     }
     Ok(())
@@ -274,25 +329,29 @@ fn gradient_unit(method: GradientMethod) -> &'static str {
 }
 
 /// The lines of a window, as they go by.
-struct Lines {
+struct Lines<'a> {
     first: usize,
     count: usize,
     /// Lines so far, those before the window included.
     seen: usize,
-    lines: Vec<Vec<i128>>,
+    /// Lines of the window so far.
+    taken: usize,
+    /// Takes a line of the window and its number there.
+    take: &'a mut dyn FnMut(usize, Vec<i128>) -> ControlFlow<()>,
 }
 
-impl Lines {
+impl Lines<'_> {
     /// The next line; made only where it is in the window. Ends where the window does.
     fn add(&mut self, line: impl FnOnce() -> Vec<i128>) -> ControlFlow<()> {
-        if self.lines.len() == self.count {
+        if self.taken == self.count {
             return Break(());
         }
         if self.seen >= self.first {
-            self.lines.push(line());
+            (self.take)(self.taken, line())?;
+            self.taken += 1;
         }
         self.seen += 1;
-        if self.lines.len() == self.count { Break(()) } else { Continue(()) }
+        if self.taken == self.count { Break(()) } else { Continue(()) }
     }
 }
 
@@ -343,7 +402,7 @@ impl Frame<'_> {
     }
 
     /// Sends the lines of a unit.
-    fn traffic(&self, unit: &str, lines: &mut Lines) -> Result<ControlFlow<()>, FrameBufferError> {
+    fn traffic(&self, unit: &str, lines: &mut Lines<'_>) -> Result<ControlFlow<()>, FrameBufferError> {
         Ok(match unit {
             "cfb" => self.addresses(lines),
             "bus" => return self.turns(lines),
@@ -393,7 +452,7 @@ impl Frame<'_> {
     }
 
     /// The voxels that are read, beam by beam.
-    fn addresses(&self, lines: &mut Lines) -> ControlFlow<()> {
+    fn addresses(&self, lines: &mut Lines<'_>) -> ControlFlow<()> {
         let geometry = &self.setup.geometry;
         for (plane, depth, row) in scan(geometry) {
             let below = if geometry.doubled() { geometry.row_below(plane as usize, depth as usize) } else { None };
@@ -408,7 +467,7 @@ impl Frame<'_> {
     }
 
     /// The beams that are turned, rows and columns modulo the lanes.
-    fn turns(&self, lines: &mut Lines) -> Result<ControlFlow<()>, FrameBufferError> {
+    fn turns(&self, lines: &mut Lines<'_>) -> Result<ControlFlow<()>, FrameBufferError> {
         let (machine, geometry) = (self.run.machine, &self.setup.geometry);
         let skew = Skew { coefficients: machine.cfb.skew, lanes: machine.lanes };
         let buffer = FrameBuffer::with_layout(skew, machine.cfb.layout, self.run.dims, self.run.voxels)?;
@@ -481,7 +540,7 @@ impl Frame<'_> {
     }
 
     /// The stages of shading that a sample of the volume goes through, in the order of [`shade`]: adds the line of the unit asked for.
-    fn shading(&self, unit: &str, ray: DiscreteRay, k: usize, lines: &mut Lines) -> ControlFlow<()> {
+    fn shading(&self, unit: &str, ray: DiscreteRay, k: usize, lines: &mut Lines<'_>) -> ControlFlow<()> {
         let setup = self.setup;
         let (words, geometry) = (&setup.words, &setup.geometry);
         let at = [ray.u, ray.v, k as i64];
@@ -599,7 +658,7 @@ impl Frame<'_> {
     }
 
     /// The slots through the cone: its nodes, what it is given, or its pixels.
-    fn rays(&self, unit: &str, lines: &mut Lines) -> ControlFlow<()> {
+    fn rays(&self, unit: &str, lines: &mut Lines<'_>) -> ControlFlow<()> {
         let setup = self.setup;
         let (cone, words, geometry) = (&setup.cone, &setup.words, &setup.geometry);
         let mode = cone.mode.code().into();
@@ -698,42 +757,52 @@ fn lit_line(colour: [u32; 3], light: Light) -> Vec<i128> {
     line
 }
 
-/// The cycles of a channel in a timing run of all frames.
-fn channel(run: &Run<'_>, window: &Window<'_>, format: &mut Format) -> Result<Vec<Vec<i128>>, RecordError> {
-    let mut machine = Machine::timing(run.machine, run.frames.to_vec())?;
-    let joints = Machine::<crate::fidelity::Timing>::JOINTS;
+/// A timing run of all frames, and the place of the window's channel among its channels.
+fn channel<'a>(run: &Run<'a>, window: &Window<'_>) -> Result<(Machine<Timing>, usize), RecordError> {
+    let machine = Machine::timing(run.machine, run.frames.to_vec())?;
+    let joints = Machine::<Timing>::JOINTS;
     let names = || joints.map(|joint| joint.channel).join(", ");
     let place = joints.iter().position(|joint| joint.channel == window.channel);
     let place = place.ok_or_else(|| RecordError::Channel { channel: window.channel.to_owned(), names: names() })?;
-    let reading = machine.counters().channels[place];
-    (format.capacity, format.latency) = (reading.capacity as u32, reading.latency as u32);
+    Ok((machine, place))
+}
+
+/// The cycles of a channel in a timing run of all frames: gives each line and its number to `take`.
+fn cycles<E: From<RecordError>>(
+    run: &Run<'_>,
+    window: &Window<'_>,
+    take: &mut dyn FnMut(usize, Vec<i128>) -> Result<(), E>,
+) -> Result<(), E> {
+    let (mut machine, place) = channel(run, window)?;
+    let stuck = |deadlock| RecordError::from(RunError::from(deadlock));
     let first = window.first as u64;
-    machine.run_until(first, &|_, _| {}).map_err(RunError::from)?;
+    machine.run_until(first, &|_, _| {}).map_err(stuck)?;
     if machine.now() < first {
-        return Err(RecordError::Beyond { unit: "channel", found: machine.now() as usize, first: window.first });
+        let found = machine.now() as usize;
+        return Err(RecordError::Beyond { unit: "channel", found, first: window.first }.into());
     }
     let mut token = machine.counters().channels[place].counters.pushes;
     let mut empty = machine.counters().channels[place].occupancy == 0;
-    let (mut lines, mut done) = (Vec::new(), false);
-    while !done && lines.len() < window.count {
+    let (mut lines, mut done) = (0, false);
+    while !done && lines < window.count {
         let from = machine.now();
         let cycles = trace::Window { from, to: from + CYCLES };
         let mut recorder = Recorder::new(&machine, cycles, run.machine.clock_hz);
-        done = recorder.run(&mut machine, cycles.to, &|_, _| {}).map_err(RunError::from)?;
-        let see = |events: &trace::Events| {
+        done = recorder.run(&mut machine, cycles.to, &|_, _| {}).map_err(stuck)?;
+        recorder.finish().replay(|events: &trace::Events| {
             let pushed = events.pushed[place].is_some();
-            if (empty || !lines.is_empty()) && lines.len() < window.count {
+            if (empty || lines > 0) && lines < window.count {
                 let data = if pushed { i128::from(token & 0xffff) } else { 0 };
-                lines.push(vec![pushed.into(), data, events.popped[place].is_some().into()]);
+                take(lines, vec![pushed.into(), data, events.popped[place].is_some().into()])?;
+                lines += 1;
             }
             token += u64::from(pushed);
             empty = events.occupancy[place] == 0;
-            Ok::<(), Infallible>(())
-        };
-        let Ok(()) = recorder.finish().replay(see);
+            Ok::<(), E>(())
+        })?;
     }
-    if lines.is_empty() && window.count > 0 {
-        return Err(RecordError::Held { channel: window.channel.to_owned(), first: window.first });
+    if lines == 0 && window.count > 0 {
+        return Err(RecordError::Held { channel: window.channel.to_owned(), first: window.first }.into());
     }
-    Ok(lines)
+    Ok(())
 }

@@ -39,7 +39,7 @@ pub const MOST_FRAMES: usize = 100_000;
 const SAME_SPACING: f64 = 1e-6;
 
 /// Volumes that are kept: a torn frame shows two or three, and the next frame the last of them again.
-const KEPT_VOLUMES: usize = 4;
+pub(crate) const KEPT_VOLUMES: usize = 4;
 
 /// The volumes of a sequence, in the order of time.
 pub struct Series {
@@ -79,14 +79,7 @@ impl Series {
             )));
         }
         let phase_per_volume = source.phase_per_frame.unwrap_or(1.0 / frames.max(1) as f64);
-        let mut items = Vec::new();
-        for file in source.file.iter().chain(&source.files) {
-            let about = cube3_volume::inspect(file, &inputs::read_options(&source, options))?;
-            match source.time {
-                Some(time) => items.push((file.clone(), time)),
-                None => items.extend((0..about.volumes).map(|time| (file.clone(), time))),
-            }
-        }
+        let items = items(&source, options)?;
         let mut first = load(&source, &items, 0, phase_per_volume, source.window, machine, options, mask)?;
         first.notes.extend(directions::old_format_note(scene, &first.data.world));
         let clipped = BTreeMap::from([(0, first.conversion.clipped_below + first.conversion.clipped_above)]);
@@ -111,8 +104,15 @@ impl Series {
 
     /// How many volumes there are; a phantom that moves has no end.
     pub fn count(&self) -> Option<u64> {
-        let moves = self.source.phantom.as_ref().is_some_and(|name| name.parse().is_ok_and(Phantom::moves));
-        (!moves).then(|| self.items.len().max(1) as u64)
+        count(&self.source, self.items.len())
+    }
+
+    /// Whether a source has more than one volume.
+    ///
+    /// # Errors
+    /// A file whose header cannot be read.
+    pub fn moves(source: &VolumeSource, options: &ReadOptions) -> Outcome<bool> {
+        Ok(count(source, items(source, options)?.len()) != Some(1))
     }
 
     /// Volume `index`, from 0; behind the last, the last.
@@ -148,6 +148,25 @@ impl Series {
         self.kept.push_back((index, Arc::clone(&volume)));
         Ok(volume)
     }
+}
+
+/// Each volume's file and its place in it; none where a phantom is computed.
+fn items(source: &VolumeSource, options: &ReadOptions) -> Outcome<Vec<(PathBuf, usize)>> {
+    let mut items = Vec::new();
+    for file in source.file.iter().chain(&source.files) {
+        let about = cube3_volume::inspect(file, &inputs::read_options(source, options))?;
+        match source.time {
+            Some(time) => items.push((file.clone(), time)),
+            None => items.extend((0..about.volumes).map(|time| (file.clone(), time))),
+        }
+    }
+    Ok(items)
+}
+
+/// How many volumes a source has, of so many in files; a phantom that moves has no end.
+fn count(source: &VolumeSource, items: usize) -> Option<u64> {
+    let moves = source.phantom.as_ref().is_some_and(|name| name.parse().is_ok_and(Phantom::moves));
+    (!moves).then_some(items.max(1) as u64)
 }
 
 /// Volume `index` of a source, one of these `items` where it is files.
@@ -202,7 +221,7 @@ struct Clocked {
 /// Runs a sequence of frames; each picture is given to `take` as soon as it is there.
 ///
 /// # Errors
-/// A scene, machine or volume that cannot be run, a machine that cannot move, more memory than there is, and what `take` refuses.
+/// A scene, machine or volume that cannot be run, a machine that cannot move, and what `take` refuses.
 pub fn run_sequence(
     scene: &Scene,
     machine: &MachineSpec,
@@ -214,7 +233,6 @@ pub fn run_sequence(
     let total = Progress::new("total");
     let first = Arc::clone(&series.first);
     let moves = series.count() != Some(1);
-    check_memory(scene, machine, series, frames, options)?;
     let views: Vec<Scene> =
         (0..frames).map(|frame| scene_at(scene, frame, frames).thickened(first.single).into_owned()).collect();
     let set_up = |frame: usize| {
@@ -523,36 +541,4 @@ fn acquisition(port: &AcquisitionPort, machine: &MachineSpec, cycles: u64, torn_
         buffers,
         torn_frames,
     }
-}
-
-/// Refuses a sequence that would not fit into memory: the registers of all frames, what each beam has seen, the volumes kept,
-/// and with real data the base planes.
-fn check_memory(
-    scene: &Scene,
-    machine: &MachineSpec,
-    series: &Series,
-    frames: usize,
-    options: &RunOptions,
-) -> Outcome<()> {
-    let dims = series.first.words.dims;
-    let frames = frames as u64;
-    let face = dims.iter().map(|&n| n as u64).max().unwrap_or(0).pow(2);
-    let voxels: u64 = dims.iter().map(|&n| n as u64).product();
-    let rows = if scene.transfer.is_two_dimensional() { machine.words.table_gradient_bits } else { 0 };
-    // An entry of the table has four words of 32 bits; other registers and templates take less than 64 KiB.
-    let registers = (16_u64 << (machine.words.table_bits + rows)) + (1 << 16);
-    let moves = series.count() != Some(1);
-    // Samples of up to 8 bytes and words of 2, of the volumes kept and the one that is put together.
-    let volumes = if moves { (KEPT_VOLUMES as u64 + 1) * voxels * 10 } else { 0 };
-    let each = registers
-        + if moves { 8 * face } else { 0 }
-        + if options.runs == Runs::Cycle { 4 * face * 16 + registers } else { 0 };
-    let bytes = frames.saturating_mul(each).saturating_add(volumes);
-    let limit = series.options.limit();
-    if bytes > limit {
-        return Err(Problem::new(format!(
-            "--frames {frames} would take {bytes} bytes of memory, and {limit} are free: give fewer frames, or crop the volume"
-        )));
-    }
-    Ok(())
 }

@@ -15,20 +15,21 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// Makes the folder for at least `count` lines in a format.
+    /// Makes the folder for the directed lines in a format, and random ones up to `count`.
     ///
     /// # Panics
     /// Where it cannot be made.
     pub fn new(unit: &dyn Unit, format: &Format, count: usize) -> Bench {
-        let vectors = Vectors::generate(unit, *format, count, 7).expect("the sheet has values");
+        let directed = Vectors::directed(unit, *format, 7).expect("the sheet has values").inputs.len();
+        let vectors = Vectors::generate(unit, *format, count.max(directed), 7).expect("the sheet has values");
         let folder = tempfile::tempdir().expect("a folder");
-        let name = testbench::name(&vectors.sheet);
-        let text = testbench::text(&vectors.sheet, format).expect("the sheet has values");
+        let name = testbench::name(&vectors.set.sheet);
+        let text = testbench::text(&vectors.set.sheet, format).expect("the sheet has values");
         let write = |file: &str, text: &str| std::fs::write(folder.path().join(file), text).expect("a file");
         write(&format!("{name}.sv"), &text);
         write("in.hex", &vectors.text());
         for (table, text) in vectors.table_texts() {
-            write(&format!("{}.{table}.hex", vectors.sheet.name), &text);
+            write(&format!("{}.{table}.hex", vectors.set.sheet.name), &text);
         }
         Bench { folder, name, lines: vectors.inputs.len() }
     }

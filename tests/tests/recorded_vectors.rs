@@ -363,14 +363,14 @@ proptest! {
         let run = Run { machine, frames: &setups, dims: volume.dims, voxels: &volume.words };
         for unit in units() {
             let (unit, frame) = (unit.as_ref(), setups.len() - 1);
-            let Some(all) = recorded(&run, unit, frame).filter(|vectors| !vectors.sheet.clocked) else { continue };
+            let Some(all) = recorded(&run, unit, frame).filter(|vectors| !vectors.set.sheet.clocked) else { continue };
             let end = (first + count).min(all.inputs.len());
             match record(&run, unit, &Window { frame, first, count, ..ALL }) {
                 Ok(part) => prop_assert_eq!(&part.inputs[..], &all.inputs[first.min(end)..end]),
                 Err(RecordError::Beyond { found, .. }) => {
                     prop_assert!(found == all.inputs.len() && found <= first);
                 }
-                Err(error) => panic!("{}: {error}", all.sheet.name),
+                Err(error) => panic!("{}: {error}", all.set.sheet.name),
             }
         }
     }

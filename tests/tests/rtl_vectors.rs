@@ -83,7 +83,7 @@ fn a_bench_fails_where_nobody_else_compares_and_takes_its_own_vectors_only() {
         ("wrong.hex", wrong.text()),
         ("unit.hex", vectors("leaf", format).text()),
         ("format.hex", vectors("lerp", narrow).text()),
-        ("bench.sv", testbench::text(&right.sheet, &format).unwrap()),
+        ("bench.sv", testbench::text(&right.set.sheet, &format).unwrap()),
     ];
     texts.iter().for_each(|(file, text)| std::fs::write(path.join(file), text).unwrap());
     let answers: String = right.outputs.iter().map(|outputs| format!("{:04x}\n", outputs[0])).collect();

@@ -8,8 +8,9 @@ use cube3_host::{MachineSpec, VolumeInfo, frame_setup};
 use cube3_scene::Scene;
 use cube3_tests::rtl;
 use cube3_tests::waves::{Shown, Waves, of_gtkwave, of_surfer};
+use cube3_vectors::compare::Compared;
 use cube3_vectors::waveform::{Waveform, around_mismatch};
-use cube3_vectors::{Format, Responses, Vectors, units};
+use cube3_vectors::{Answer, Comparison, Format, Vectors, units};
 
 /// The trace of some cycles of a frame of a small volume.
 fn trace(clock_hz: f64, from: u64, to: u64) -> Waveform {
@@ -23,13 +24,17 @@ fn trace(clock_hz: f64, from: u64, to: u64) -> Waveform {
     recorder.finish().waveform().unwrap()
 }
 
-/// The waveform of some lines of a unit whose device is right but for a bit of line 20.
-fn mismatch(unit: &dyn cube3_vectors::Unit, lines: std::ops::Range<usize>) -> (Vectors, Waveform) {
+/// The waveform of so many lines before and behind line 20 of a unit, whose device is right but for a bit of that line.
+fn mismatch(unit: &dyn cube3_vectors::Unit, around: usize) -> (Vectors, Waveform) {
     let vectors = Vectors::generate(unit, Format::default(), 40, 1).unwrap();
-    let mut answers = vectors.outputs.clone();
-    answers[20][0] ^= 1;
-    let responses = Responses::from_values(&vectors, &answers);
-    let waveform = around_mismatch(unit, &vectors, &responses, lines).unwrap();
+    let mut comparison = Comparison::new(&vectors.set, around);
+    for (line, (inputs, outputs)) in vectors.inputs.iter().zip(&vectors.outputs).enumerate() {
+        let mut given = outputs.clone();
+        given[0] ^= i128::from(line == 20);
+        let answers = vectors.set.fields[1].iter().zip(given).map(|(field, value)| Answer::of(field, value)).collect();
+        comparison.push(Compared { inputs: inputs.clone(), outputs: outputs.clone(), answers });
+    }
+    let waveform = around_mismatch(unit, &vectors.set, &comparison.finish().unwrap()).unwrap();
     (vectors, waveform)
 }
 
@@ -85,9 +90,9 @@ fn gtkwave_sees_each_edge_at_its_time_and_the_values_of_wellen() {
 fn gtkwave_sees_each_line_of_a_mismatch_at_its_time_and_the_values_of_wellen() {
     let Some(fst2vcd) = rtl::require("fst2vcd") else { return };
     for unit in units() {
-        for lines in [0..40, 4..37, 20..21] {
-            let (vectors, waveform) = mismatch(unit.as_ref(), lines.clone());
-            let name = plain(vectors.sheet.name);
+        for (around, lines) in [(20, 0..40), (16, 4..37), (0, 20..21)] {
+            let (vectors, waveform) = mismatch(unit.as_ref(), around);
+            let name = plain(vectors.set.sheet.name);
             let waves = Waves::by_fst2vcd(&fst2vcd, &waveform.fst);
             let times: Vec<i64> = (lines.start..=lines.end).map(|line| 10 * line as i64).collect();
             assert_eq!((waves.unit, &waves.times), ((-9, 1), &times), "{name}");
@@ -147,14 +152,14 @@ fn viewers_show_every_variable_of_a_trace_and_activities_by_name() {
 #[test]
 fn viewers_show_every_variable_of_a_mismatch() {
     for unit in units() {
-        let (vectors, waveform) = mismatch(unit.as_ref(), 4..37);
+        let (vectors, waveform) = mismatch(unit.as_ref(), 16);
         let shown = shown(&waveform);
         for (gtkwave, surfer) in &shown {
             let formats = [("28", ""), ("22", "Hexadecimal"), ("420", "Signed"), ("24", "Unsigned"), ("22", "Signed")];
             assert!(formats.contains(&(&gtkwave.format, &surfer.format)), "{gtkwave:?} {surfer:?}");
         }
-        for field in vectors.fields[0].iter().filter(|field| (2..=64).contains(&field.bits)) {
-            let name = format!("{}.in.{}", plain(vectors.sheet.name), plain(&field.name));
+        for field in vectors.set.fields[0].iter().filter(|field| (2..=64).contains(&field.bits)) {
+            let name = format!("{}.in.{}", plain(vectors.set.sheet.name), plain(&field.name));
             let (gtkwave, _) = shown.iter().find(|(gtkwave, _)| gtkwave.name == name).unwrap();
             assert_eq!(gtkwave.format, if field.signed { "420" } else { "22" }, "{name}");
         }

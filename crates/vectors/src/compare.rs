@@ -1,22 +1,48 @@
 //! The answers of a device under test, and where they are wrong first.
 
-use crate::{Field, Recorder, Unit, Vectors, bits_of};
+use crate::text::TextLines;
+use crate::{Field, Recorder, Set, Unit, bits_of};
+use std::collections::VecDeque;
 use std::fmt::Write;
+use std::io::{self, BufRead};
 
 /// A field of an answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Answer {
-    /// As it was written.
+    /// As it was written, without a prefix.
     pub text: String,
     /// Its bits; none where a digit is unknown (x or z).
     pub bits: Option<u128>,
 }
 
-/// What a device answered: a line of output fields for each line of the vectors.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Responses {
-    /// The lines.
-    pub lines: Vec<Vec<Answer>>,
+impl Answer {
+    /// The answer of a device that gives a field this value.
+    pub fn of(field: &Field, value: i128) -> Answer {
+        Answer { text: field.text(value), bits: Some(field.bits_of(value)) }
+    }
+
+    /// Reads a word of a line. The prefix 0x stands before as many digits as the field has; else its x is an unknown nibble of a word
+    /// that is as long as the field.
+    fn read(word: &str, field: &Field, line: usize) -> Result<Answer, ResponsesError> {
+        let digits = word.strip_prefix("0x").or_else(|| word.strip_prefix("0X"));
+        let text = match digits {
+            Some(digits) if digits.len() == field.digits() => digits,
+            Some(_) if word.len() != field.digits() => {
+                let (name, digits) = (field.name.clone(), field.digits());
+                return Err(ResponsesError::Prefix { line, text: word.into(), name, digits });
+            }
+            _ => word,
+        };
+        if !text.chars().all(|c| c.is_ascii_hexdigit() || matches!(c, 'x' | 'X' | 'z' | 'Z')) {
+            return Err(ResponsesError::Word { line, text: word.into() });
+        }
+        let known = text.chars().all(|c| c.is_ascii_hexdigit());
+        let bits = u128::from_str_radix(text, 16).ok();
+        match (known, bits) {
+            (true, None) => Err(ResponsesError::Word { line, text: word.into() }),
+            _ => Ok(Answer { text: text.into(), bits }),
+        }
+    }
 }
 
 /// Why a text is no answer to vectors.
@@ -30,6 +56,23 @@ pub enum ResponsesError {
         /// The word.
         text: String,
     },
+    /// A prefix before another number of digits than the field has.
+    #[error(
+        "line {line}: `{text}`: 0x is no digit; {name} has {digits} hexadecimal digits, with or without 0x before them"
+    )]
+    Prefix {
+        /// Line of the text, from 1.
+        line: usize,
+        /// The word.
+        text: String,
+        /// The field.
+        name: String,
+        /// Its digits.
+        digits: usize,
+    },
+    /// A text that cannot be read.
+    #[error("{0}")]
+    Read(String),
     /// Too few or too many fields.
     #[error("line {line}: {found} fields; a line holds the {expected} output fields: {names}")]
     Fields {
@@ -52,51 +95,55 @@ pub enum ResponsesError {
     },
 }
 
-impl Responses {
-    /// Reads answers to vectors.
+impl From<io::Error> for ResponsesError {
+    fn from(error: io::Error) -> ResponsesError {
+        ResponsesError::Read(error.to_string())
+    }
+}
+
+/// Reads what a device answered: a line of output fields for each line of the vectors.
+pub struct AnswerReader<'a, R> {
+    fields: &'a [Field],
+    lines: TextLines<R>,
+}
+
+impl<'a, R: BufRead> AnswerReader<'a, R> {
+    /// From the first line on.
+    pub fn new(set: &'a Set, reader: R) -> AnswerReader<'a, R> {
+        AnswerReader { fields: &set.fields[1], lines: TextLines::new(reader) }
+    }
+
+    /// The next line of answers; none behind the last.
     ///
     /// # Errors
     /// What is no answer.
-    pub fn parse(text: &str, vectors: &Vectors) -> Result<Responses, ResponsesError> {
-        let fields = &vectors.fields[1];
-        let mut lines = Vec::new();
-        for (number, text) in text.lines().enumerate() {
-            let line = number + 1;
+    pub fn answers(&mut self) -> Result<Option<Vec<Answer>>, ResponsesError> {
+        while let Some((line, text)) = self.lines.next()? {
             let text = text.split("//").next().unwrap_or_default();
-            let answer = |text: &str| {
-                let known = u128::from_str_radix(text, 16).ok();
-                let unknown = text.chars().all(|c| c.is_ascii_hexdigit() || matches!(c, 'x' | 'X' | 'z' | 'Z'));
-                match known {
-                    None if !unknown => Err(ResponsesError::Word { line, text: text.into() }),
-                    bits => Ok(Answer { text: text.into(), bits }),
-                }
-            };
-            let words: Vec<Answer> = text.split_whitespace().map(answer).collect::<Result<_, _>>()?;
-            if words.is_empty() {
+            let found = text.split_whitespace().count();
+            if found == 0 {
                 continue;
             }
-            if words.len() != fields.len() {
-                let names = fields.iter().map(|field| field.name.as_str()).collect::<Vec<_>>().join(" ");
-                return Err(ResponsesError::Fields { line, found: words.len(), expected: fields.len(), names });
+            if found != self.fields.len() {
+                let names = self.fields.iter().map(|field| field.name.as_str()).collect::<Vec<_>>().join(" ");
+                return Err(ResponsesError::Fields { line, found, expected: self.fields.len(), names });
             }
-            lines.push(words);
+            let words = text.split_whitespace().zip(self.fields);
+            return words.map(|(word, field)| Answer::read(word, field, line)).collect::<Result<_, _>>().map(Some);
         }
-        if lines.len() != vectors.inputs.len() {
-            return Err(ResponsesError::Lines { found: lines.len(), expected: vectors.inputs.len() });
-        }
-        Ok(Responses { lines })
+        Ok(None)
     }
+}
 
-    /// Answers from values.
-    pub fn from_values(vectors: &Vectors, lines: &[Vec<i128>]) -> Responses {
-        let answer = |(field, value): (&Field, &i128)| {
-            let text = field.text(*value);
-            let bits = u128::from_str_radix(&text, 16).ok();
-            Answer { text, bits }
-        };
-        let fields = &vectors.fields[1];
-        Responses { lines: lines.iter().map(|line| fields.iter().zip(line).map(answer).collect()).collect() }
-    }
+/// A line with what it should give and what it gave.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Compared {
+    /// Input fields.
+    pub inputs: Vec<i128>,
+    /// Output fields of the definition.
+    pub outputs: Vec<i128>,
+    /// Those of the device.
+    pub answers: Vec<Answer>,
 }
 
 /// Where answers differ from the definition.
@@ -107,24 +154,68 @@ pub struct Mismatch {
     /// Output fields of that line that differ.
     pub fields: Vec<usize>,
     /// How many lines differ.
-    pub lines: usize,
+    pub differ: usize,
+    /// Lines that were compared.
+    pub of: usize,
+    /// The number of the first line of `around`.
+    pub from: usize,
+    /// Lines before and behind the first that differs, and that one.
+    pub around: Vec<Compared>,
+}
+
+/// Compares lines one after another, and keeps those around the first that differs.
+#[derive(Debug)]
+pub struct Comparison<'a> {
+    fields: &'a [Field],
+    /// Lines to keep before and behind.
+    around: usize,
+    before: VecDeque<Compared>,
+    first: Option<Mismatch>,
+    lines: usize,
+}
+
+impl<'a> Comparison<'a> {
+    /// Nothing compared; so many lines are kept before and behind the first that differs.
+    pub fn new(set: &'a Set, around: usize) -> Comparison<'a> {
+        Comparison { fields: &set.fields[1], around, before: VecDeque::new(), first: None, lines: 0 }
+    }
+
+    /// Lines so far.
+    pub fn lines(&self) -> usize {
+        self.lines
+    }
+
+    /// Compares the next line.
+    pub fn push(&mut self, compared: Compared) {
+        let line = self.lines;
+        self.lines += 1;
+        let wrong = |i: &usize| differs(&self.fields[*i], compared.outputs[*i], &compared.answers[*i]);
+        let fields: Vec<usize> = (0..self.fields.len()).filter(wrong).collect();
+        if let Some(first) = &mut self.first {
+            first.differ += usize::from(!fields.is_empty());
+            if line <= first.line + self.around {
+                first.around.push(compared);
+            }
+        } else if fields.is_empty() {
+            self.before.push_back(compared);
+            if self.before.len() > self.around {
+                self.before.pop_front();
+            }
+        } else {
+            let from = line - self.before.len();
+            let around = self.before.drain(..).chain([compared]).collect();
+            self.first = Some(Mismatch { line, fields, differ: 1, of: 0, from, around });
+        }
+    }
+
+    /// The first mismatch, if there is one.
+    pub fn finish(self) -> Option<Mismatch> {
+        self.first.map(|first| Mismatch { of: self.lines, ..first })
+    }
 }
 
 fn differs(field: &Field, expected: i128, answer: &Answer) -> bool {
-    answer.bits != Some(expected as u128 & (u128::MAX >> (128 - field.bits)))
-}
-
-/// The first mismatch, if there is one.
-pub fn first_mismatch(vectors: &Vectors, responses: &Responses) -> Option<Mismatch> {
-    let fields = &vectors.fields[1];
-    let wrong = |line: usize| -> Vec<usize> {
-        let (expected, got) = (&vectors.outputs[line], &responses.lines[line]);
-        (0..fields.len()).filter(|&i| differs(&fields[i], expected[i], &got[i])).collect()
-    };
-    let count = vectors.outputs.len().min(responses.lines.len());
-    let mut lines = (0..count).filter_map(|line| Some((line, wrong(line))).filter(|(_, fields)| !fields.is_empty()));
-    let (line, fields) = lines.next()?;
-    Some(Mismatch { line, fields, lines: 1 + lines.count() })
+    answer.bits != Some(field.bits_of(expected))
 }
 
 fn binary(bits: u128, width: u32) -> String {
@@ -133,33 +224,32 @@ fn binary(bits: u128, width: u32) -> String {
 
 /// The mismatch as an engineer wants it: line number, inputs, every wire of the definition, expected and got in hexadecimal and
 /// decimal, with the differing bits marked.
-pub fn explain(unit: &dyn Unit, vectors: &Vectors, responses: &Responses, mismatch: &Mismatch) -> String {
-    let Mismatch { line, lines, .. } = *mismatch;
-    let counted = if vectors.sheet.clocked { "cycle" } else { "transaction" };
+pub fn explain(unit: &dyn Unit, set: &Set, mismatch: &Mismatch) -> String {
+    let Mismatch { line, differ, of, .. } = *mismatch;
+    let Compared { inputs, outputs, answers } = &mismatch.around[line - mismatch.from];
+    let counted = if set.sheet.clocked { "cycle" } else { "transaction" };
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "{}: {counted} {line} is the first of {lines} that differ, of {} ({counted}s are counted from 0)",
-        vectors.sheet.name,
-        vectors.inputs.len()
+        "{}: {counted} {line} is the first of {differ} that differ, of {of} ({counted}s are counted from 0)",
+        set.sheet.name,
     );
     let mut row = |name: &str, value: i128, bits: u32| {
         let hex = Field { name: String::new(), port: 0, bits, signed: false, range: [0, 0] }.text(value);
         let _ = writeln!(text, "  {name:<28} 0x{hex:<16} {value}");
     };
-    let inputs = vectors.fields[0].iter().zip(&vectors.inputs[line]);
-    for (field, value) in inputs {
+    for (field, value) in set.fields[0].iter().zip(inputs) {
         row(&field.name, *value, field.bits);
     }
-    if !vectors.sheet.clocked {
+    if !set.sheet.clocked {
         let mut recorder = Recorder::default();
-        unit.evaluate(&vectors.format, &vectors.tables, &vectors.inputs[line], &mut recorder);
+        unit.evaluate(&set.format, &set.tables, inputs, &mut recorder);
         let _ = writeln!(text, "wires of the definition");
         for seen in recorder.seen() {
-            let Some(wire) = vectors.sheet.wire(seen.part, seen.name).map(|wire| &vectors.sheet.wires[wire]) else {
+            let Some(wire) = set.sheet.wire(seen.part, seen.name).map(|wire| &set.sheet.wires[wire]) else {
                 continue;
             };
-            let ends = [0, 1].map(|end| vectors.format.evaluate(wire.range[end]).unwrap_or(seen.value));
+            let ends = [0, 1].map(|end| set.format.evaluate(wire.range[end]).unwrap_or(seen.value));
             let row_of = if wire.count == "1" { String::new() } else { format!("[{}]", seen.place) };
             let hex = Field { name: String::new(), port: 0, bits: bits_of(ends), signed: false, range: [0, 0] };
             let name = wire.path() + &row_of;
@@ -167,8 +257,8 @@ pub fn explain(unit: &dyn Unit, vectors: &Vectors, responses: &Responses, mismat
         }
     }
     let _ = writeln!(text, "outputs                         expected                   got");
-    for (i, field) in vectors.fields[1].iter().enumerate() {
-        let (expected, got) = (vectors.outputs[line][i], &responses.lines[line][i]);
+    for (i, field) in set.fields[1].iter().enumerate() {
+        let (expected, got) = (outputs[i], &answers[i]);
         let decimal = got.bits.map_or("unknown".into(), |bits| field.value(bits).to_string());
         let mark = if differs(field, expected, got) { "*" } else { " " };
         let _ = writeln!(
@@ -191,7 +281,7 @@ pub fn explain(unit: &dyn Unit, vectors: &Vectors, responses: &Responses, mismat
                 let _ = writeln!(text, "    got      {bits:0width$b}", width = field.bits as usize);
                 let _ = writeln!(text, "             {:>width$}", marks);
             } else {
-                let _ = writeln!(text, "    got      {} (x and z are unknown)", got.text);
+                let _ = writeln!(text, "    got      {} (x and z are unknown nibbles)", got.text);
             }
         }
     }

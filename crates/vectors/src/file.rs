@@ -2,9 +2,11 @@
 //!
 //! `$readmemh`, `$fscanf`, a spreadsheet and three lines of any script can read it.
 
-use crate::{ExpressionError, Field, Format, FormatError, Sheet, Table, Tables, Unit, Vectors, bits_of};
+use crate::text::TextLines;
+use crate::{ExpressionError, Field, Format, FormatError, Set, Sheet, Table, Vectors, bits_of};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
+use std::io::{self, BufRead};
 
 /// First line of every file: name and version of the form.
 const MAGIC: &str = "cube3 vectors 1";
@@ -36,75 +38,149 @@ pub(crate) fn format_line(sheet: &Sheet, format: &Format) -> String {
     format!("// format{settings}")
 }
 
-/// The text of fields' values.
-pub(crate) fn line(fields: &[Field], values: &[i128]) -> String {
-    let words: Vec<String> = fields.iter().zip(values).map(|(field, value)| field.text(*value)).collect();
-    words.join(" ")
+fn hexadecimal(hash: Sha256) -> String {
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-impl Vectors {
-    /// The lines of `<unit>.hex` below its header.
-    fn body(&self) -> String {
-        let mut body = String::new();
-        for (inputs, outputs) in self.inputs.iter().zip(&self.outputs) {
-            let _ = writeln!(body, "{} {}", line(&self.fields[0], inputs), line(&self.fields[1], outputs));
-        }
-        body
-    }
-
-    /// SHA-256 of the lines below the header, and then of the tables.
-    pub fn digest(&self) -> String {
-        let mut hash = Sha256::new_with_prefix(self.body());
-        for (_, text) in self.table_texts() {
-            hash.update(&text);
-        }
-        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
-    }
-
-    /// The contents of `<unit>.hex`.
-    pub fn text(&self) -> String {
-        let tables: Vec<String> =
-            self.table_texts().iter().map(|(name, text)| format!(" {name}:{}", text.lines().count())).collect();
+impl Set {
+    /// The header of `<unit>.hex`.
+    fn header(&self, lines: usize, digest: &str) -> String {
+        let tables = self.sheet.tables.iter().zip(&self.tables);
+        let tables: String = tables.map(|(of, table)| format!(" {}:{}", of.name, table.len())).collect();
         let counted = if self.sheet.clocked { "cycles" } else { "transactions" };
         format!(
-            "// {MAGIC}\n{}\n{}\n// seed {}\n// generator cube3 {}\n// {counted} {}\n// inputs{}\n\
-             // outputs{}\n// tables{}\n// sha256 {}\n{}",
+            "// {MAGIC}\n{}\n{}\n// seed {}\n// generator cube3 {}\n// {counted} {lines}\n// inputs{}\n\
+             // outputs{}\n// tables{tables}\n// sha256 {digest}\n",
             unit_line(&self.sheet),
             format_line(&self.sheet, &self.format),
             self.seed,
             env!("CARGO_PKG_VERSION"),
-            self.inputs.len(),
             ports(&self.fields[0]),
             ports(&self.fields[1]),
-            tables.concat(),
-            self.digest(),
-            self.body(),
         )
+    }
+
+    /// Gives the contents of `<unit>.<table>.hex` to `take`, an entry and its line's end at a time.
+    ///
+    /// # Errors
+    /// Those of `take`.
+    pub fn table_lines<E>(&self, table: usize, mut take: impl FnMut(&str) -> Result<(), E>) -> Result<(), E> {
+        let bits = self.format.evaluate(self.sheet.tables[table].bits).unwrap_or(1) as u32;
+        let field = Field { name: String::new(), port: 0, bits, signed: false, range: [0, 0] };
+        let mut text = String::new();
+        self.tables[table].iter().try_for_each(|&entry| {
+            text.clear();
+            field.write(entry, &mut text);
+            text.push('\n');
+            take(&text)
+        })
+    }
+
+    /// The digest of a file: of the lines below the header, and then of the tables.
+    fn digest(&self, mut lines: Sha256) -> String {
+        for table in 0..self.tables.len() {
+            let _ = self.table_lines(table, |entry| {
+                lines.update(entry);
+                Ok::<(), std::convert::Infallible>(())
+            });
+        }
+        hexadecimal(lines)
+    }
+}
+
+/// Writes the lines of `<unit>.hex` that stand below its header, which counts them and has their digest and so comes last.
+pub struct LineWriter<'a, W> {
+    set: &'a Set,
+    out: W,
+    hash: Sha256,
+    text: String,
+    lines: usize,
+}
+
+/// What was written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Written {
+    /// The header that belongs before the lines.
+    pub header: String,
+    /// How many lines.
+    pub lines: usize,
+    /// The digest in the header.
+    pub digest: String,
+}
+
+impl<'a, W: io::Write> LineWriter<'a, W> {
+    /// No line yet.
+    pub fn new(set: &'a Set, out: W) -> LineWriter<'a, W> {
+        LineWriter { set, out, hash: Sha256::new(), text: String::new(), lines: 0 }
+    }
+
+    /// How many lines there are so far.
+    pub fn lines(&self) -> usize {
+        self.lines
+    }
+
+    /// Writes the next line.
+    ///
+    /// # Errors
+    /// Those of what is written to.
+    pub fn push(&mut self, inputs: &[i128], outputs: &[i128]) -> io::Result<()> {
+        self.text.clear();
+        let [of_inputs, of_outputs] = &self.set.fields;
+        for (field, value) in of_inputs.iter().zip(inputs).chain(of_outputs.iter().zip(outputs)) {
+            if !self.text.is_empty() {
+                self.text.push(' ');
+            }
+            field.write(*value, &mut self.text);
+        }
+        self.text.push('\n');
+        self.hash.update(&self.text);
+        self.lines += 1;
+        self.out.write_all(self.text.as_bytes())
+    }
+
+    /// The header, and what was written to.
+    pub fn finish(self) -> (Written, W) {
+        let digest = self.set.digest(self.hash);
+        (Written { header: self.set.header(self.lines, &digest), lines: self.lines, digest }, self.out)
+    }
+}
+
+impl Vectors {
+    /// The contents of `<unit>.hex`.
+    pub fn text(&self) -> String {
+        let mut lines = LineWriter::new(&self.set, Vec::new());
+        for (inputs, outputs) in self.inputs.iter().zip(&self.outputs) {
+            // Memory takes all.
+            let _ = lines.push(inputs, outputs);
+        }
+        let (written, body) = lines.finish();
+        written.header + &String::from_utf8_lossy(&body)
     }
 
     /// The contents of `<unit>.<table>.hex` for each table: its name, and an entry a line.
     pub fn table_texts(&self) -> Vec<(&'static str, String)> {
-        let text = |bits: i128, entries: &[i128]| {
-            let field = Field { name: String::new(), port: 0, bits: bits as u32, signed: false, range: [0, 0] };
-            entries.iter().map(|entry| field.text(*entry) + "\n").collect::<String>()
+        let table = |(i, of): (usize, &Table)| {
+            let mut text = String::new();
+            let _ = self.set.table_lines(i, |entry| {
+                text += entry;
+                Ok::<(), std::convert::Infallible>(())
+            });
+            (of.name, text)
         };
-        let tables = self.sheet.tables.iter().zip(&self.tables);
-        tables.filter_map(|(of, table)| Some((of.name, text(self.format.evaluate(of.bits).ok()?, table)))).collect()
+        self.set.sheet.tables.iter().enumerate().map(table).collect()
     }
 }
 
-/// A vector file that was read: what drives the unit. What it answers is evaluated anew.
-#[derive(Clone, Debug, PartialEq)]
-pub struct VectorFile {
+/// What a vector file says of its lines.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Header {
     /// The unit.
     pub unit: String,
     /// The format, where the file says nothing the default.
     pub format: Format,
     /// The seed.
     pub seed: u64,
-    /// The words of each line.
-    pub lines: Vec<Vec<u128>>,
-    /// The digest that the header gives.
+    /// The digest of lines and tables.
     pub digest: Option<String>,
 }
 
@@ -146,6 +222,9 @@ pub enum FileError {
          again, or take out its line \"// sha256\" to use its inputs as they are"
     )]
     Digest,
+    /// A text that cannot be read.
+    #[error("{0}")]
+    Read(String),
     /// A line with too few or too many words.
     #[error("transaction {line} has {found} words; the unit has {expected} fields in this format")]
     Fields {
@@ -180,108 +259,167 @@ pub enum FileError {
     },
 }
 
-impl VectorFile {
-    /// Reads the text of a file.
-    ///
-    /// # Errors
-    /// The first line that is not understood.
-    pub fn parse(text: &str) -> Result<VectorFile, FileError> {
-        let mut file =
-            VectorFile { unit: String::new(), format: Format::default(), seed: 0, lines: Vec::new(), digest: None };
-        if text.lines().next().map(str::trim) != Some(&format!("// {MAGIC}")) {
-            return Err(FileError::Magic);
-        }
-        for (number, text) in text.lines().enumerate() {
-            let line = number + 1;
-            let header = || FileError::Header { line, text: text.to_owned() };
-            let Some(comment) = text.trim().strip_prefix("//") else {
-                let word = |word: &str| {
-                    u128::from_str_radix(word, 16).map_err(|_| FileError::Word { line, text: word.to_owned() })
-                };
-                let words: Vec<u128> = text.split_whitespace().map(word).collect::<Result<_, _>>()?;
-                if !words.is_empty() {
-                    file.lines.push(words);
-                }
-                continue;
-            };
-            match comment.trim().split_once(' ') {
-                Some(("unit", name)) => file.unit = name.trim().into(),
-                Some(("sha256", digest)) => file.digest = Some(digest.trim().into()),
-                Some(("seed", seed)) => file.seed = seed.trim().parse().map_err(|_| header())?,
-                Some(("format", settings)) => {
-                    let mut names = Vec::new();
-                    for setting in settings.split_whitespace() {
-                        let (name, value) = setting.split_once('=').ok_or_else(header)?;
-                        let value = value.parse().map_err(|_| header())?;
-                        if !file.format.set(name, value) {
-                            return Err(header());
-                        }
-                        names.push(name);
+impl From<io::Error> for FileError {
+    fn from(error: io::Error) -> FileError {
+        FileError::Read(error.to_string())
+    }
+}
+
+impl Header {
+    /// Takes a comment of the header in: line of the text, its text, and what stands behind the slashes.
+    fn take(&mut self, line: usize, text: &str, comment: &str) -> Result<(), FileError> {
+        let wrong = || FileError::Header { line, text: text.to_owned() };
+        match comment.trim().split_once(' ') {
+            Some(("unit", name)) => self.unit = name.trim().into(),
+            Some(("sha256", digest)) => self.digest = Some(digest.trim().into()),
+            Some(("seed", seed)) => self.seed = seed.trim().parse().map_err(|_| wrong())?,
+            Some(("format", settings)) => {
+                let mut names = Vec::new();
+                for setting in settings.split_whitespace() {
+                    let (name, value) = setting.split_once('=').ok_or_else(wrong)?;
+                    let value = value.parse().map_err(|_| wrong())?;
+                    if !self.format.set(name, value) {
+                        return Err(wrong());
                     }
-                    file.format.fit(&names);
-                    // A unit that does not depend on samples does not name their width.
-                    let words = &mut file.format.words;
-                    if !names.contains(&"sample_fraction_bits") {
-                        let wanted = words.gradient_bits.saturating_sub(words.voxel_bits.saturating_add(1));
-                        words.sample_fraction_bits = words.sample_fraction_bits.max(wanted.min(8));
-                    }
-                    file.format.check()?;
+                    names.push(name);
                 }
-                _ => {}
+                self.format.fit(&names);
+                // A unit that does not depend on samples does not name their width.
+                let words = &mut self.format.words;
+                if !names.contains(&"sample_fraction_bits") {
+                    let wanted = words.gradient_bits.saturating_sub(words.voxel_bits.saturating_add(1));
+                    words.sample_fraction_bits = words.sample_fraction_bits.max(wanted.min(8));
+                }
+                self.format.check()?;
             }
+            _ => {}
         }
-        Ok(file)
+        Ok(())
     }
 
     /// The contents of a table from its text, an entry a line.
     ///
     /// # Errors
     /// What is no entry, and entries that do not fit the table.
-    pub fn table(&self, of: &Table, text: &str) -> Result<Vec<i128>, FileError> {
-        let mut entries = Vec::new();
-        for (number, line) in text.lines().enumerate() {
-            let word = line.split("//").next().unwrap_or_default().trim();
-            if !word.is_empty() {
-                let entry = i128::from_str_radix(word, 16);
-                entries.push(entry.map_err(|_| FileError::Word { line: number + 1, text: word.to_owned() })?);
+    pub fn table(&self, of: &Table, text: impl BufRead) -> Result<Vec<i128>, FileError> {
+        let (expected, bits) = (self.format.evaluate(of.entries)?, self.format.evaluate(of.bits)? as u32);
+        let (mut entries, mut found, mut fit) = (Vec::new(), 0, true);
+        let mut lines = TextLines::new(text);
+        while let Some((line, text)) = lines.next()? {
+            let word = text.split("//").next().unwrap_or_default().trim();
+            if word.is_empty() {
+                continue;
+            }
+            let entry = i128::from_str_radix(word, 16);
+            let entry = entry.map_err(|_| FileError::Word { line, text: word.to_owned() })?;
+            fit &= entry >= 0 && bits_of([0, entry]) <= bits;
+            found += 1;
+            if found as i128 <= expected {
+                entries.push(entry);
             }
         }
-        let (expected, bits) = (self.format.evaluate(of.entries)?, self.format.evaluate(of.bits)? as u32);
-        let fit = entries.iter().all(|&entry| entry >= 0 && bits_of([0, entry]) <= bits);
-        if entries.len() as i128 != expected || !fit {
-            return Err(FileError::Table { name: of.name, found: entries.len(), expected, bits });
+        if found as i128 != expected || !fit {
+            return Err(FileError::Table { name: of.name, found, expected, bits });
         }
         Ok(entries)
     }
+}
 
-    /// The file's lines with what the definition says to them, with these contents of the tables.
+/// Reads the inputs of a vector file line by line; what the unit answers is evaluated anew.
+pub struct VectorReader<R> {
+    header: Header,
+    lines: TextLines<R>,
+    /// The first line of words, where the header ended there.
+    pending: Option<(usize, String)>,
+    /// Lines of words so far.
+    read: usize,
+    /// Of their texts.
+    hash: Sha256,
+}
+
+impl<R: BufRead> VectorReader<R> {
+    /// Reads the header.
     ///
     /// # Errors
-    /// Lines that do not fit the unit.
-    pub fn vectors(&self, unit: &dyn Unit, tables: Tables) -> Result<Vectors, FileError> {
-        let sheet = unit.sheet();
-        let fields = Sheet::fields(&sheet.inputs, &self.format)?;
-        let expected = fields.len() + Sheet::fields(&sheet.outputs, &self.format)?.len();
-        let inputs = self.lines.iter().enumerate().map(|(line, words)| {
-            if words.len() != expected {
-                return Err(FileError::Fields { line, found: words.len(), expected });
+    /// The first line that is not understood.
+    pub fn new(reader: R) -> Result<VectorReader<R>, FileError> {
+        let mut lines = TextLines::new(reader);
+        if lines.next()?.map(|(_, text)| text.trim()) != Some(&format!("// {MAGIC}")) {
+            return Err(FileError::Magic);
+        }
+        let mut header = Header { unit: String::new(), format: Format::default(), seed: 0, digest: None };
+        let mut pending = None;
+        while let Some((line, text)) = lines.next()? {
+            if let Some(comment) = text.trim().strip_prefix("//") {
+                header.take(line, text, comment)?;
+            } else if !text.trim().is_empty() {
+                pending = Some((line, text.to_owned()));
+                break;
             }
-            let value = |(field, bits): (&Field, &u128)| {
-                let (value, [low, high]) = (field.value(*bits), field.range);
-                if (low..=high).contains(&value) {
-                    Ok(value)
-                } else {
-                    Err(FileError::Value { line, field: field.name.clone(), value, low, high })
-                }
+        }
+        Ok(VectorReader { header, lines, pending, read: 0, hash: Sha256::new() })
+    }
+
+    /// What the file says of its lines.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// The input fields of the next line; none behind the last.
+    ///
+    /// # Errors
+    /// A line that does not fit the unit, and one that cannot be read.
+    pub fn inputs(&mut self, set: &Set) -> Result<Option<Vec<i128>>, FileError> {
+        loop {
+            let pending = self.pending.take();
+            let next = match &pending {
+                Some((line, text)) => Some((*line, text.as_str())),
+                None => self.lines.next()?,
             };
-            fields.iter().zip(words).map(value).collect()
-        });
-        let inputs: Vec<Vec<i128>> = inputs.collect::<Result<_, _>>()?;
-        let vectors = Vectors::with_tables(unit, self.format, self.seed, tables, inputs)?;
-        // What was written is the definition's: inputs, outputs and tables that were changed, or lines that are missing, show here.
-        match &self.digest {
-            Some(digest) if *digest != vectors.digest() => Err(FileError::Digest),
-            _ => Ok(vectors),
+            let Some((number, text)) = next else { return Ok(None) };
+            if let Some(comment) = text.trim().strip_prefix("//") {
+                let name = comment.trim().split(' ').next().unwrap_or_default();
+                if matches!(name, "unit" | "sha256" | "seed" | "format") {
+                    return Err(FileError::Header { line: number, text: text.to_owned() });
+                }
+                continue;
+            }
+            if text.trim().is_empty() {
+                continue;
+            }
+            self.hash.update(text);
+            self.hash.update("\n");
+            let inputs = line_inputs(set, number, self.read, text)?;
+            self.read += 1;
+            return Ok(Some(inputs));
         }
     }
+
+    /// The digest of the lines so far as they stand in the file, and of a set's tables.
+    pub fn digest(self, set: &Set) -> String {
+        set.digest(self.hash)
+    }
+}
+
+/// The input fields of a transaction or cycle from its text.
+fn line_inputs(set: &Set, number: usize, line: usize, text: &str) -> Result<Vec<i128>, FileError> {
+    let fields = &set.fields[0];
+    let mut inputs = Vec::with_capacity(fields.len());
+    let mut found = 0;
+    for word in text.split_whitespace() {
+        let bits = u128::from_str_radix(word, 16);
+        let bits = bits.map_err(|_| FileError::Word { line: number, text: word.to_owned() })?;
+        if let Some(field) = fields.get(found) {
+            let (value, [low, high]) = (field.value(bits), field.range);
+            if !(low..=high).contains(&value) {
+                return Err(FileError::Value { line, field: field.name.clone(), value, low, high });
+            }
+            inputs.push(value);
+        }
+        found += 1;
+    }
+    if found != set.width() {
+        return Err(FileError::Fields { line, found, expected: set.width() });
+    }
+    Ok(inputs)
 }

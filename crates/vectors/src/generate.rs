@@ -2,132 +2,166 @@
 
 use crate::coverage::Coverage;
 use crate::expression::ExpressionError;
-use crate::{Field, Format, Recorder, Sheet, Tables, Unit};
+use crate::{Field, Format, Recorder, Set, Unit};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use std::collections::HashSet;
+use std::collections::hash_map::DefaultHasher;
+use std::hash::{Hash, Hasher};
+use std::vec::IntoIter;
 
 /// Random lines that are tried for a point that no line has hit.
 const TRIES: usize = 4000;
 
-/// Lines of a unit with what the definition says to them.
-#[derive(Clone, Debug)]
-pub struct Vectors {
-    /// The sheet.
-    pub sheet: Sheet,
-    /// The format.
-    pub format: Format,
-    /// The seed of all that is random.
-    pub seed: u64,
-    /// Contents of the tables.
-    pub tables: Tables,
-    /// Fields of the inputs, and of the outputs.
-    pub fields: [Vec<Field>; 2],
-    /// Input fields of each line.
-    pub inputs: Vec<Vec<i128>>,
-    /// Output fields of each line.
-    pub outputs: Vec<Vec<i128>>,
+/// The inputs of a unit's lines, one after another without end, for a set's format and seed: a shorter file is the beginning of a
+/// longer one. Beside a line or two it holds a number for each directed line.
+pub struct Lines<'a> {
+    set: &'a Set,
+    random: Random<'a>,
+    steps: IntoIter<Step>,
+    corners: Option<IntoIter<Vec<i128>>>,
+    /// Hashes of the directed lines. Ends and corners may meet, and each is there once; lines of a clocked unit are a story and stay.
+    seen: HashSet<u64>,
+    coverage: Coverage,
+    recorder: Recorder,
+    /// Lines that may still be drawn for what is not covered; none once all is.
+    tries: usize,
 }
 
-impl Vectors {
-    /// Lines with these inputs.
+impl<'a> Lines<'a> {
+    /// From the first line on.
     ///
     /// # Errors
     /// An expression of the sheet without a value.
-    pub fn of(unit: &dyn Unit, format: Format, seed: u64, inputs: Vec<Vec<i128>>) -> Result<Vectors, ExpressionError> {
-        let tables = unit.tables(&format);
-        Vectors::with_tables(unit, format, seed, tables, inputs)
+    pub fn new(unit: &'a dyn Unit, set: &'a Set) -> Result<Lines<'a>, ExpressionError> {
+        Ok(Lines {
+            set,
+            random: Random::new(unit, &set.format, &set.fields[0], set.seed),
+            steps: steps(&set.fields[0]).into_iter(),
+            corners: None,
+            seen: HashSet::new(),
+            coverage: Coverage::new(&set.sheet, &set.format)?,
+            recorder: Recorder::default(),
+            tries: if set.sheet.clocked { 0 } else { TRIES },
+        })
     }
 
-    /// Lines with these inputs, and other contents of the tables than the unit's own.
-    ///
-    /// # Errors
-    /// An expression of the sheet without a value.
-    pub fn with_tables(
-        unit: &dyn Unit,
-        format: Format,
-        seed: u64,
-        tables: Tables,
-        inputs: Vec<Vec<i128>>,
-    ) -> Result<Vectors, ExpressionError> {
-        let sheet = unit.sheet();
-        let fields = [Sheet::fields(&sheet.inputs, &format)?, Sheet::fields(&sheet.outputs, &format)?];
-        let outputs = unit.run(&format, &tables, &inputs);
-        Ok(Vectors { sheet, format, seed, tables, fields, inputs, outputs })
+    /// The next of the directed lines and of those for coverage; none where only random ones follow.
+    pub fn directed(&mut self) -> Option<Vec<i128>> {
+        while let Some(line) = self.end_or_corner() {
+            if self.set.sheet.clocked {
+                return Some(line);
+            }
+            let mut hasher = DefaultHasher::new();
+            line.hash(&mut hasher);
+            if self.seen.insert(hasher.finish()) {
+                self.see(&line);
+                return Some(line);
+            }
+        }
+        self.seen = HashSet::new();
+        while self.tries > 0 && self.coverage.missed().next().is_some() {
+            let line = self.random.line();
+            self.tries -= 1;
+            if self.see(&line) {
+                self.tries = TRIES;
+                return Some(line);
+            }
+        }
+        self.tries = 0;
+        None
     }
 
-    /// At least `count` lines; the directed ones are never left out.
-    ///
-    /// # Errors
-    /// An expression of the sheet without a value.
-    pub fn generate(unit: &dyn Unit, format: Format, count: usize, seed: u64) -> Result<Vectors, ExpressionError> {
-        let sheet = unit.sheet();
-        let fields = Sheet::fields(&sheet.inputs, &format)?;
-        let mut random = Lines { rng: ChaCha8Rng::seed_from_u64(seed), fields: &fields, unit, format: &format };
-        let mut lines = random.directed();
-        lines.extend(unit.corners(&format).into_iter().map(|mut line| {
-            for (field, value) in fields.iter().zip(&mut line) {
-                *value = (*value).clamp(field.range[0], field.range[1]);
-            }
-            line
-        }));
-        if !sheet.clocked {
-            // Ends and corners may meet; lines of a clocked unit are a story and stay.
-            let mut seen = HashSet::new();
-            lines.retain(|line| seen.insert(line.clone()));
-            let mut coverage = Coverage::new(&sheet, &format)?;
-            let (tables, mut recorder) = (unit.tables(&format), Recorder::default());
-            let mut see = |coverage: &mut Coverage, line: &Vec<i128>| {
-                recorder.clear();
-                let outputs = unit.evaluate(&format, &tables, line, &mut recorder);
-                coverage.see(line, recorder.seen(), &outputs)
-            };
-            for line in &lines {
-                see(&mut coverage, line);
-            }
-            let mut tries = TRIES;
-            while tries > 0 && coverage.missed().next().is_some() {
-                let line = random.line();
-                tries -= 1;
-                if see(&mut coverage, &line) {
-                    lines.push(line);
-                    tries = TRIES;
-                }
-            }
+    /// What ports alone give, then what the unit knows of itself.
+    fn end_or_corner(&mut self) -> Option<Vec<i128>> {
+        if let Some(step) = self.steps.next() {
+            return Some(self.random.directed(step));
         }
-        while lines.len() < count {
-            lines.push(random.line());
+        let Random { unit, format, slots, .. } = &self.random;
+        let mut line = self.corners.get_or_insert_with(|| unit.corners(format).into_iter()).next()?;
+        for (slot, value) in slots.iter().zip(&mut line) {
+            *value = (*value).clamp(slot.range[0], slot.range[1]);
         }
-        Vectors::of(unit, format, seed, lines)
+        Some(line)
     }
 
-    /// What the lines cover.
-    ///
-    /// # Errors
-    /// An expression of the sheet without a value.
-    pub fn coverage(&self, unit: &dyn Unit) -> Result<Coverage, ExpressionError> {
-        let mut coverage = Coverage::new(&self.sheet, &self.format)?;
-        let mut recorder = Recorder::default();
-        for (inputs, outputs) in self.inputs.iter().zip(&self.outputs) {
-            recorder.clear();
-            if !self.sheet.clocked {
-                unit.evaluate(&self.format, &self.tables, inputs, &mut recorder);
-            }
-            coverage.see(inputs, recorder.seen(), outputs);
-        }
-        Ok(coverage)
+    /// Whether a line hits a new point of coverage.
+    fn see(&mut self, line: &[i128]) -> bool {
+        self.recorder.clear();
+        let outputs = self.random.unit.evaluate(&self.set.format, &self.set.tables, line, &mut self.recorder);
+        self.coverage.see(line, self.recorder.seen(), &outputs)
     }
+}
+
+impl Iterator for Lines<'_> {
+    type Item = Vec<i128>;
+
+    fn next(&mut self) -> Option<Vec<i128>> {
+        self.directed().or_else(|| Some(self.random.line()))
+    }
+}
+
+/// A corner that ports alone give.
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    /// All fields 0, or what is nearest to it.
+    Zero,
+    /// All fields at an end: 0 the lowest, 1 the highest.
+    End(usize),
+    /// Ends alternating, the first field at this one.
+    Alternating(usize),
+    /// A port at a value while the others are random.
+    Port(usize, i128),
+    /// An element at an end, all others of its port at the other one.
+    Alone(usize, usize),
+}
+
+/// The corners that ports alone give: all at an end; each port, and each element, at an end while others are not; elements
+/// alternating.
+fn steps(fields: &[Field]) -> Vec<Step> {
+    let mut steps = vec![Step::Zero, Step::End(0), Step::End(1), Step::Alternating(0), Step::Alternating(1)];
+    for of_port in fields.chunk_by(|one, next| one.port == next.port) {
+        let (port, [low, high]) = (of_port[0].port, of_port[0].range);
+        let values = if high - low < 16 { (low..=high).collect() } else { vec![low, low + 1, high - 1, high] };
+        steps.extend(values.into_iter().flat_map(|value| [Step::Port(port, value); 2]));
+    }
+    let mut first = 0;
+    for of_port in fields.chunk_by(|one, next| one.port == next.port) {
+        if of_port.len() > 1 {
+            steps.extend((first..first + of_port.len()).flat_map(|i| [Step::Alone(i, 0), Step::Alone(i, 1)]));
+        }
+        first += of_port.len();
+    }
+    steps
+}
+
+/// Where a field of a line may be.
+#[derive(Clone, Copy, Debug)]
+struct Slot {
+    port: usize,
+    range: [i128; 2],
 }
 
 /// Random lines of a unit.
-struct Lines<'a> {
+struct Random<'a> {
     rng: ChaCha8Rng,
-    fields: &'a [Field],
+    slots: Vec<Slot>,
+    /// Range of the first element of each port; none of a port without elements.
+    ports: Vec<Option<[i128; 2]>>,
     unit: &'a dyn Unit,
     format: &'a Format,
 }
 
-impl Lines<'_> {
+impl<'a> Random<'a> {
+    fn new(unit: &'a dyn Unit, format: &'a Format, fields: &[Field], seed: u64) -> Random<'a> {
+        let slots: Vec<Slot> = fields.iter().map(|field| Slot { port: field.port, range: field.range }).collect();
+        let mut ports = vec![None; slots.last().map_or(0, |slot| slot.port + 1)];
+        for slot in &slots {
+            ports[slot.port].get_or_insert(slot.range);
+        }
+        Random { rng: ChaCha8Rng::seed_from_u64(seed), slots, ports, unit, format }
+    }
+
     fn below(&mut self, count: u128) -> u128 {
         let word = u128::from(self.rng.next_u64()) << 64 | u128::from(self.rng.next_u64());
         word % count
@@ -161,81 +195,50 @@ impl Lines<'_> {
     /// A legal line in one of several styles.
     fn line(&mut self) -> Vec<i128> {
         let style = self.below(6);
-        let ports = self.fields.last().map_or(0, |field| field.port + 1);
-        let base: Vec<i128> = (0..ports)
-            .map(|port| self.fields.iter().find(|field| field.port == port).map(|field| field.range))
-            .map(|range| range.map_or(0, |range| self.value(range)))
-            .collect();
-        let fields: Vec<Field> = self.fields.to_vec();
-        let mut line: Vec<i128> = fields
-            .iter()
-            .map(|field| match style {
-                0 | 1 => self.between(field.range),
-                2 => field.range[self.below(2) as usize],
-                // Elements of a port close to each other.
-                3 => {
-                    let [low, high] = field.range;
-                    let near = ((high - low) / 64).max(1);
-                    (base[field.port] + self.between([-near, near])).clamp(low, high)
+        let base: Vec<i128> =
+            (0..self.ports.len()).map(|port| self.ports[port].map_or(0, |range| self.value(range))).collect();
+        let mut line: Vec<i128> = (0..self.slots.len())
+            .map(|i| {
+                let Slot { port, range } = self.slots[i];
+                match style {
+                    0 | 1 => self.between(range),
+                    2 => range[self.below(2) as usize],
+                    // Elements of a port close to each other.
+                    3 => {
+                        let [low, high] = range;
+                        let near = ((high - low) / 64).max(1);
+                        (base[port] + self.between([-near, near])).clamp(low, high)
+                    }
+                    // All elements of a port alike.
+                    4 => base[port],
+                    _ => self.value(range),
                 }
-                // All elements of a port alike.
-                4 => base[field.port],
-                _ => self.value(field.range),
             })
             .collect();
         self.unit.legalise(self.format, &mut line);
         line
     }
 
-    /// The corners that ports alone give: all at an end; each port, and each element, at an end while others are not; elements
-    /// alternating.
-    fn directed(&mut self) -> Vec<Vec<i128>> {
-        let fields: Vec<Field> = self.fields.to_vec();
-        let ports = fields.last().map_or(0, |field| field.port + 1);
-        let mut lines = Vec::new();
-        let ends = |end: usize| fields.iter().map(|field| field.range[end]).collect::<Vec<i128>>();
-        lines.push(fields.iter().map(|field| 0.clamp(field.range[0], field.range[1])).collect());
-        lines.push(ends(0));
-        lines.push(ends(1));
-        for parity in 0..2 {
-            lines.push(fields.iter().enumerate().map(|(i, field)| field.range[(i + parity) % 2]).collect());
-        }
-        for port in 0..ports {
-            let Some([low, high]) = fields.iter().find(|field| field.port == port).map(|field| field.range) else {
-                continue;
-            };
-            let values = if high - low < 16 { (low..=high).collect() } else { vec![low, low + 1, high - 1, high] };
-            for value in values {
-                for _ in 0..2 {
-                    let mut line = self.line();
-                    for (field, value_of) in fields.iter().zip(&mut line) {
-                        if field.port == port {
-                            *value_of = value;
-                        }
-                    }
-                    lines.push(line);
+    /// A corner that ports alone give, made legal.
+    fn directed(&mut self, step: Step) -> Vec<i128> {
+        let mut line: Vec<i128> = match step {
+            Step::Zero => self.slots.iter().map(|slot| 0.clamp(slot.range[0], slot.range[1])).collect(),
+            Step::End(end) => self.slots.iter().map(|slot| slot.range[end]).collect(),
+            Step::Alternating(first) => {
+                self.slots.iter().enumerate().map(|(i, slot)| slot.range[(i + first) % 2]).collect()
+            }
+            Step::Port(..) | Step::Alone(..) => self.line(),
+        };
+        for (i, (slot, field)) in self.slots.iter().zip(&mut line).enumerate() {
+            match step {
+                Step::Port(port, value) if slot.port == port => *field = value,
+                Step::Alone(alone, end) if slot.port == self.slots[alone].port => {
+                    *field = slot.range[if i == alone { end } else { 1 - end }];
                 }
+                _ => {}
             }
         }
-        // One element against all others of its port.
-        for (i, field) in fields.iter().enumerate() {
-            let alone = fields.iter().filter(|other| other.port == field.port).count() == 1;
-            if alone {
-                continue;
-            }
-            for end in 0..2 {
-                let mut line = self.line();
-                for (j, other) in fields.iter().enumerate() {
-                    if other.port == field.port {
-                        line[j] = other.range[if i == j { end } else { 1 - end }];
-                    }
-                }
-                lines.push(line);
-            }
-        }
-        for line in &mut lines {
-            self.unit.legalise(self.format, line);
-        }
-        lines
+        self.unit.legalise(self.format, &mut line);
+        line
     }
 }

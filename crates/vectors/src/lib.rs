@@ -1,9 +1,9 @@
 //! Data sheets of the machine's units, golden vectors made from them, and the comparison of a device under test.
 //!
 //! A [`Unit`] is a block of the machine: a [`Sheet`] (ports, tables, every wire with its range) and a way to evaluate its definition
-//! in the unit crates' `golden.rs`. From the sheet come vectors ([`Vectors`]), what they cover ([`Coverage`]), proofs of range
-//! ([`ranges`]), test benches and the pages of the book. A device under test answers vectors with [`Responses`], and
-//! [`compare`] says where it is wrong first.
+//! in the unit crates' `golden.rs`. From the sheet come the lines of vectors ([`Lines`]), what they cover ([`Coverage`]), proofs of
+//! range ([`ranges`]), test benches and the pages of the book. A device under test answers each line, and [`Comparison`] says where
+//! it is wrong first. Lines stream: none of these holds more than a few.
 
 #![warn(missing_docs)]
 
@@ -16,18 +16,21 @@ mod generate;
 mod markdown;
 pub mod pages;
 pub mod ranges;
+mod set;
 mod sheet;
 pub mod testbench;
+mod text;
 mod unit;
 mod units;
 pub mod waveform;
 
-pub use compare::{Responses, ResponsesError};
+pub use compare::{Answer, AnswerReader, Comparison, Mismatch, ResponsesError};
 pub use coverage::{Coverage, Point};
 pub use expression::{ExpressionError, evaluate};
-pub use file::{FileError, VectorFile};
+pub use file::{FileError, Header, LineWriter, VectorReader, Written};
 pub use format::{Format, FormatError};
-pub use generate::Vectors;
+pub use generate::Lines;
+pub use set::{Definition, Device, Set, Vectors};
 pub use sheet::{Field, Kind, Port, Sheet, Table, Wire, bits_of};
 pub use unit::{Reader, Recorder, Seen, Tables, Unit, word_formats};
 pub use units::units;

@@ -5,7 +5,7 @@
 //! in its distance from another, so extremes lie at ends.
 
 use crate::expression::ExpressionError;
-use crate::{Field, Format, Recorder, Seen, Sheet, Tables, Unit, Vectors, bits_of};
+use crate::{Field, Format, Lines, Recorder, Set, Unit, bits_of};
 
 /// Most lines of an exhaustive search.
 pub const MOST_LINES: u128 = 1 << 21;
@@ -54,8 +54,7 @@ type Extreme = (i128, Vec<i128>);
 struct Search<'a> {
     unit: &'a dyn Unit,
     format: &'a Format,
-    sheet: &'a Sheet,
-    tables: Tables,
+    set: &'a Set,
     recorder: Recorder,
     /// For each wire and end.
     best: Vec<[Option<Extreme>; 2]>,
@@ -63,18 +62,14 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn wire_of(&self, seen: &Seen) -> Option<usize> {
-        self.sheet.wire(seen.part, seen.name)
-    }
-
     /// Evaluates a line; whether it moved an end of `wire`, or of any where that is none.
     fn try_line(&mut self, line: &[i128], wire: Option<usize>) -> bool {
         self.recorder.clear();
-        self.unit.evaluate(self.format, &self.tables, line, &mut self.recorder);
+        self.unit.evaluate(self.format, &self.set.tables, line, &mut self.recorder);
         self.lines += 1;
         let mut moved = false;
-        for seen in self.recorder.take() {
-            let Some(index) = self.wire_of(&seen) else { continue };
+        for seen in self.recorder.seen() {
+            let Some(index) = self.set.sheet.wire(seen.part, seen.name) else { continue };
             for end in 0..2 {
                 let better = match &self.best[index][end] {
                     None => true,
@@ -116,18 +111,17 @@ impl Search<'_> {
     }
 }
 
-/// Searches the ranges of a unit's wires in a format.
+/// Searches the ranges of a unit's wires in a format, from the first `lines` of its lines where it cannot try all.
 ///
 /// # Errors
 /// An expression of the sheet without a value.
-pub fn search(unit: &dyn Unit, format: &Format, random_lines: usize, seed: u64) -> Result<Ranges, ExpressionError> {
-    let sheet = unit.sheet();
-    let fields = Sheet::fields(&sheet.inputs, format)?;
+pub fn search(unit: &dyn Unit, format: &Format, lines: usize, seed: u64) -> Result<Ranges, ExpressionError> {
+    let set = Set::new(unit, *format, seed)?;
+    let (sheet, fields) = (&set.sheet, &set.fields[0]);
     let mut search = Search {
         unit,
         format,
-        sheet: &sheet,
-        tables: unit.tables(format),
+        set: &set,
         recorder: Recorder::default(),
         best: vec![[None, None]; sheet.wires.len()],
         lines: 0,
@@ -149,12 +143,12 @@ pub fn search(unit: &dyn Unit, format: &Format, random_lines: usize, seed: u64) 
             }
         }
     } else {
-        for line in Vectors::generate(unit, *format, random_lines, seed)?.inputs {
+        for line in Lines::new(unit, &set)?.take(lines) {
             search.try_line(&line, None);
         }
         for wire in 0..sheet.wires.len() {
             for end in 0..2 {
-                search.climb(&fields, wire, end);
+                search.climb(fields, wire, end);
             }
         }
     }

@@ -190,8 +190,22 @@ impl Field {
 
     /// The field's text.
     pub fn text(&self, value: i128) -> String {
-        let mask = u128::MAX >> (128 - self.bits);
-        format!("{:0digits$x}", value as u128 & mask, digits = self.digits())
+        let mut text = String::new();
+        self.write(value, &mut text);
+        text
+    }
+
+    /// Adds the field's text to another.
+    pub fn write(&self, value: i128, text: &mut String) {
+        let bits = self.bits_of(value);
+        for digit in (0..self.digits()).rev() {
+            text.extend(char::from_digit((bits >> (4 * digit) & 0xf) as u32, 16));
+        }
+    }
+
+    /// A value's bits.
+    pub fn bits_of(&self, value: i128) -> u128 {
+        value as u128 & (u128::MAX >> (128 - self.bits))
     }
 
     /// The value of a field's bits.

@@ -1,6 +1,6 @@
 //! A unit whose arithmetic can be evaluated on the fields of a line.
 
-use crate::{Format, Sheet};
+use crate::{Device, Format, Sheet};
 use cube3_word::Probe;
 
 /// The tables of a unit, in the order of its sheet.
@@ -27,11 +27,6 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// What has been seen since the last time.
-    pub fn take(&mut self) -> Vec<Seen> {
-        std::mem::take(&mut self.seen)
-    }
-
     /// What has been seen.
     pub fn seen(&self) -> &[Seen] {
         &self.seen
@@ -90,14 +85,9 @@ pub trait Unit: Sync {
         None
     }
 
-    /// A run of lines, for a unit with a memory; outputs of each line.
-    fn run(&self, format: &Format, tables: &Tables, lines: &[Vec<i128>]) -> Vec<Vec<i128>> {
-        let mut recorder = Recorder::default();
-        let line = |inputs: &Vec<i128>| {
-            recorder.clear();
-            self.evaluate(format, tables, inputs, &mut recorder)
-        };
-        lines.iter().map(line).collect()
+    /// The unit after reset, for one with a memory: it is given the lines in order.
+    fn start<'a>(&'a self, _format: &'a Format) -> Option<Device<'a>> {
+        None
     }
 }
 

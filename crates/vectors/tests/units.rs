@@ -48,16 +48,16 @@ fn fields_hold_their_ranges_and_names_are_unique() {
 fn the_definition_shows_the_wires_of_the_sheet_and_gives_what_its_outputs_hold() {
     each(|unit, format| {
         let vectors = Vectors::generate(unit, format, LINES, 1).unwrap();
-        let sheet = &vectors.sheet;
+        let sheet = &vectors.set.sheet;
         let mut shown = BTreeSet::new();
         let mut recorder = Recorder::default();
         for (inputs, outputs) in vectors.inputs.iter().zip(&vectors.outputs) {
-            assert_eq!(outputs.len(), vectors.fields[1].len(), "{}", sheet.name);
-            for (field, value) in vectors.fields[0].iter().zip(inputs) {
+            assert_eq!(outputs.len(), vectors.set.fields[1].len(), "{}", sheet.name);
+            for (field, value) in vectors.set.fields[0].iter().zip(inputs) {
                 let [low, high] = field.range;
                 assert!((low..=high).contains(value), "{} {}: {value}", sheet.name, field.name);
             }
-            for (field, value) in vectors.fields[1].iter().zip(outputs) {
+            for (field, value) in vectors.set.fields[1].iter().zip(outputs) {
                 let [low, high] = field.range;
                 assert!((low..=high).contains(value), "{} {}: {value}, {inputs:?}", sheet.name, field.name);
             }
@@ -65,7 +65,7 @@ fn the_definition_shows_the_wires_of_the_sheet_and_gives_what_its_outputs_hold()
                 continue;
             }
             recorder.clear();
-            unit.evaluate(&format, &vectors.tables, inputs, &mut recorder);
+            unit.evaluate(&format, &vectors.set.tables, inputs, &mut recorder);
             for seen in recorder.seen() {
                 let wire = sheet.wire(seen.part, seen.name);
                 let wire = wire.unwrap_or_else(|| panic!("{}: no wire {}.{}", sheet.name, seen.part, seen.name));
@@ -87,9 +87,9 @@ fn the_definition_shows_the_wires_of_the_sheet_and_gives_what_its_outputs_hold()
 fn lanes_give_the_bits_of_the_definition() {
     each(|unit, format| {
         let vectors = Vectors::generate(unit, format, LINES, 2).unwrap();
-        if let Some(lanes) = unit.lanes(&format, &vectors.tables, &vectors.inputs) {
+        if let Some(lanes) = unit.lanes(&format, &vectors.set.tables, &vectors.inputs) {
             for (line, (lanes, golden)) in lanes.iter().zip(&vectors.outputs).enumerate() {
-                assert_eq!(lanes, golden, "{} {:?} {:?}", vectors.sheet.name, vectors.inputs[line], format.words);
+                assert_eq!(lanes, golden, "{} {:?} {:?}", vectors.set.sheet.name, vectors.inputs[line], format.words);
             }
         }
     });
@@ -111,9 +111,9 @@ fn ranges_hold_and_are_reached() {
 #[test]
 fn the_directed_lines_hit_every_point_of_coverage() {
     each(|unit, format| {
-        let vectors = Vectors::generate(unit, format, 0, 4).unwrap();
+        let vectors = Vectors::directed(unit, format, 4).unwrap();
         let coverage: Coverage = vectors.coverage(unit).unwrap();
         let missed: Vec<&str> = coverage.missed().map(|point| point.name.as_str()).collect();
-        assert!(missed.is_empty(), "{} {:?} {:?}", vectors.sheet.name, format.words, missed);
+        assert!(missed.is_empty(), "{} {:?} {:?}", vectors.set.sheet.name, format.words, missed);
     });
 }

@@ -42,12 +42,12 @@ mod write;
 
 pub use error::{NonFinite, VolumeError};
 pub use format::Format;
-pub use limits::ReadOptions;
+pub use limits::{Memory, MemoryBound, ReadOptions, available_memory, memory_bounds};
 pub use open::{FileInfo, inspect, read, read_bytes};
 pub use phantom::{Phantom, PhantomParams};
 pub use raw::{Endian, RawLayout};
 pub use readable::readable;
-pub use resample::{Filter, NewGrid, ResampleReport, Resampling, resample};
+pub use resample::{Filter, NewGrid, ResampleReport, Resampling, resample, resample_bytes};
 pub use samples::{Sample, SampleType, Samples};
 pub use statistics::Histogram;
 pub use thickness::thick_dims;

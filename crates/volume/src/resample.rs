@@ -16,7 +16,7 @@ mod straight;
 use std::fmt;
 
 use crate::error::show_dims;
-use crate::{ReadOptions, Sample, Space, Volume, VolumeError, World};
+use crate::{FileInfo, ReadOptions, Sample, Space, Volume, VolumeError, World, thick_dims};
 
 use spline::Taps;
 
@@ -122,13 +122,11 @@ pub fn resample(volume: &Volume, how: &Resampling) -> Result<(Volume, ResampleRe
         });
     }
     let limit = ReadOptions { memory_limit_bytes: how.memory_limit_bytes, ..ReadOptions::default() }.limit();
-    let is_straight = volume.world.left_over().is_straight();
-    if how.straight
-        && !(is_straight && volume.world.letters() == World { space: volume.world.space, ..World::default() }.letters())
-    {
+    let old = Old::of(volume);
+    if how.straight && !old.is_straight() {
         return straight::resample(volume, how, limit);
     }
-    let axes = plan(volume, how.grid)?;
+    let axes = plan(&old, how.grid)?;
     let dims = [0, 1, 2].map(|a| axes[a].size);
     let spacing = [0, 1, 2].map(|a| axes[a].spacing);
     let (samples, clipped) = separable::resample(volume, &axes, how.filter, limit)?;
@@ -192,7 +190,49 @@ impl NewAxis {
     }
 }
 
-fn plan(volume: &Volume, grid: NewGrid) -> Result<[NewAxis; 3], VolumeError> {
+/// The grid that is left, without its samples.
+#[derive(Clone, Copy)]
+struct Old {
+    dims: [usize; 3],
+    spacing: [f64; 3],
+    origin: [f64; 3],
+    world: World,
+}
+
+impl Old {
+    fn of(volume: &Volume) -> Self {
+        Self { dims: volume.dims, spacing: volume.spacing, origin: volume.origin, world: volume.world }
+    }
+
+    /// Whether its axes are those of the world already.
+    fn is_straight(&self) -> bool {
+        let along = World { space: self.world.space, ..World::default() };
+        self.world.left_over().is_straight() && self.world.letters() == along.letters()
+    }
+}
+
+/// Bytes that a resampling takes beside the volume: the new samples, and reals on the way.
+///
+/// # Errors
+///
+/// As [`resample`], but for those of the samples.
+pub fn resample_bytes(about: &FileInfo, how: &Resampling) -> Result<u64, VolumeError> {
+    check_new(how.grid)?;
+    let FileInfo { dims, spacing, origin, world, sample_type, .. } = *about;
+    let old = Old { dims, spacing, origin, world };
+    let of = |dims: [usize; 3], bytes: usize| dims.iter().fold(bytes as u64, |p, &n| p.saturating_mul(n as u64));
+    if how.straight && !old.is_straight() {
+        let thick = Old { dims: thick_dims(dims), ..old };
+        let new = straight::dims(&thick, how.grid)?;
+        let reals = if how.filter == Filter::Cubic { of(thick.dims, size_of::<f64>()) } else { 0 };
+        return Ok(of(new, sample_type.bytes()).saturating_add(reals));
+    }
+    let axes = plan(&old, how.grid)?;
+    let reals = separable::reals(dims, &axes).unwrap_or(u64::MAX).saturating_mul(size_of::<f64>() as u64);
+    Ok(of([0, 1, 2].map(|a| axes[a].size), sample_type.bytes()).saturating_add(reals))
+}
+
+fn plan(volume: &Old, grid: NewGrid) -> Result<[NewAxis; 3], VolumeError> {
     let shortest = shortest(volume);
     let mut axes =
         [0, 1, 2].map(|a| NewAxis { size: volume.dims[a], spacing: volume.spacing[a], places: Places::Same });
@@ -243,7 +283,7 @@ fn steps(steps: f64) -> usize {
 }
 
 /// The shortest distance of neighbours; of the spacing where there are none.
-fn shortest(volume: &Volume) -> f64 {
+fn shortest(volume: &Old) -> f64 {
     let neighbours = (0..3).filter(|&a| volume.dims[a] > 1).map(|a| volume.spacing[a]);
     let shortest = neighbours.fold(f64::INFINITY, f64::min);
     if shortest.is_finite() { shortest } else { volume.spacing[0] }

@@ -1,8 +1,9 @@
 //! `cube3 bench`: speed on this machine, as ratios and as fractions of the hardware's limit.
 
-use super::on_threads;
 use super::run::print;
-use crate::bench::{Measurement, Plan, measure};
+use super::{on_threads, threads};
+use crate::bench::{COPY_BYTES, Measurement, Plan, measure};
+use crate::memory;
 use crate::problem::Outcome;
 use clap::Args;
 
@@ -30,6 +31,7 @@ impl BenchArguments {
     /// What went wrong, in words.
     pub fn execute(self) -> Outcome<()> {
         let plan = Plan { size: self.size, timing_size: self.timing_size, repeats: self.repeats.max(1) };
+        memory::bench(COPY_BYTES as u64, self.size, self.timing_size, threads(self.threads)?).check()?;
         let rows = on_threads(self.threads, || measure(&plan))?;
         let mut text = String::new();
         for Measurement { what, value, unit, note } in rows {

@@ -125,16 +125,27 @@ fn spacing(text: &str) -> Result<[f64; 3], String> {
 /// Most threads: beyond this, starting them takes longer than a frame.
 const MOST_THREADS: usize = 256;
 
-/// Runs work on a pool of `threads`, or on all cores.
+/// How many threads a command works on: those asked for, or all cores.
 ///
 /// # Errors
-/// A pool that cannot be made, and what the work gives.
-fn on_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> Outcome<R> + Send) -> Outcome<R> {
-    match threads {
+/// None, and more than are of use.
+fn threads(asked: Option<usize>) -> Outcome<usize> {
+    match asked {
         Some(threads) if !(1..=MOST_THREADS).contains(&threads) => Err(crate::problem::Problem::new(format!(
             "--threads {threads}: give 1 to {MOST_THREADS}, or leave it out for all cores"
         ))),
-        Some(threads) => rayon::ThreadPoolBuilder::new().num_threads(threads).build()?.install(work),
+        _ => Ok(crate::memory::threads(asked)),
+    }
+}
+
+/// Runs work on a pool of as many threads as are asked for, or on all cores.
+///
+/// # Errors
+/// A pool that cannot be made, and what the work gives.
+fn on_threads<R: Send>(asked: Option<usize>, work: impl FnOnce() -> Outcome<R> + Send) -> Outcome<R> {
+    let count = threads(asked)?;
+    match asked {
+        Some(_) => rayon::ThreadPoolBuilder::new().num_threads(count).build()?.install(work),
         None => work(),
     }
 }

@@ -1,20 +1,22 @@
 //! `cube3 run`: one frame on the machine, or a sequence of frames.
 
-use super::{RawArguments, on_threads, three};
+use super::{RawArguments, on_threads, threads, three};
 use crate::checkpoint;
 use crate::clocked::{Stops, TraceRequest};
 use crate::inputs::{self, LoadedVolume};
+use crate::memory::{Case, Grid};
 use crate::output::{SequenceFiles, write_run, write_whole};
 use crate::problem::{Outcome, Problem};
 use crate::reference::Reference;
 use crate::run::{RunOptions, Runs, conversion, run_frame_with};
-use crate::sequence::{MOST_FRAMES, Series, Shown, run_sequence};
+use crate::sequence::{KEPT_VOLUMES, MOST_FRAMES, Series, Shown, run_sequence};
 use crate::topology::Drawing;
 use crate::trace::{Format, Window};
 use clap::{Args, Parser, ValueEnum};
 use cube3_host::{AcquisitionMode, GradientMethod, MachineSpec, RayEnds, RaySlots, TemplateRule};
 use cube3_report::table;
 use cube3_scene::{FileAxes, Mode, Path, Perspective, Scene, View, VolumeSource};
+use cube3_volume::ReadOptions;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -210,7 +212,7 @@ impl RunArguments {
             return print(MachineSpec::COMMENTED_DEFAULT);
         }
         keep_inputs(self.scene.as_deref(), &self.machine, &self.out)?;
-        let stops = self.stops()?;
+        let mut stops = self.stops()?;
         let drawing = self.topology.as_deref().map(Drawing::of).transpose()?;
         let scene = self.scene()?;
         let machine = self.machine()?;
@@ -226,10 +228,10 @@ impl RunArguments {
             plan: !self.no_plan,
             seed: self.seed,
         };
+        self.check_memory(&scene, &machine, &read, &options)?;
+        stops.resume = self.resume.as_deref().map(checkpoint::read).transpose()?;
         let (result, files) = on_threads(self.threads, || {
             let started = |volume: &LoadedVolume| {
-                let [x, y, z] = volume.words.dims;
-                inputs::check_memory(&scene, &machine, [x, y, z], options.runs == Runs::Cycle, &read)?;
                 let [nx, ny, nz] = volume.dims();
                 print(&format!("{}: {nx} × {ny} × {nz}\n{}\n", volume.source, conversion(&scene, volume)))
             };
@@ -263,7 +265,36 @@ impl RunArguments {
         print(&format!("wrote {}\n", written.join(" ")))
     }
 
-    /// What is asked of the clocked run.
+    /// Refuses a run that does not fit into memory, before it takes any.
+    fn check_memory(
+        &self,
+        scene: &Scene,
+        machine: &MachineSpec,
+        read: &ReadOptions,
+        options: &RunOptions,
+    ) -> Outcome<()> {
+        let case = Case {
+            scene,
+            machine,
+            grid: Grid::of_scene(&scene.volume, read)?,
+            runs: options.runs,
+            reference: options.reference != Reference::None,
+            mask: self.mask_non_finite,
+            threads: threads(self.threads)?,
+        };
+        let mut need = match self.frames {
+            None => case.frame(),
+            Some(frames) => case.sequence(frames as usize, Series::moves(&scene.volume, read)?, KEPT_VOLUMES),
+        };
+        if let (Some(trace), Some(to)) = (&self.trace, self.to) {
+            let format = Format::of(trace)?;
+            need = case.trace(need, format, Window::new(self.from, to, format)?);
+        }
+        let resumed = self.resume.as_deref().and_then(|file| std::fs::metadata(file).ok()).map_or(0, |file| file.len());
+        case.checkpoint(need, self.checkpoint_at.is_some(), resumed).check()
+    }
+
+    /// What is asked of the clocked run, but for the state that it goes on from.
     fn stops(&self) -> Outcome<Stops> {
         if matches!(self.fidelity, FidelityArgument::Function) && self.topology.is_some() {
             return Err(Problem::new(
@@ -287,8 +318,7 @@ impl RunArguments {
             _ => None,
         };
         let checkpoint = self.checkpoint_at.map(|at| (at, self.out.join("checkpoint.cube3")));
-        let resume = self.resume.as_deref().map(checkpoint::read).transpose()?;
-        Ok(Stops { trace, checkpoint, resume })
+        Ok(Stops { trace, checkpoint, resume: None })
     }
 
     fn scene(&self) -> Outcome<Scene> {

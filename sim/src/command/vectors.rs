@@ -4,15 +4,18 @@ use super::run::print;
 use super::scene::SceneArguments;
 use crate::inputs;
 use crate::machine::Machine;
+use crate::memory::{self, Case, Grid};
 use crate::output::{make_folder, write_whole};
 use crate::problem::{Outcome, Problem};
-use crate::record::{Run, Window, record};
+use crate::record::{Recording, Run, Window};
 use crate::rtl_frame;
+use crate::run::Runs;
+use crate::vector_files::SetFiles;
 use clap::Args;
 use cube3_host::{BasePlane, picture_setup};
-use cube3_vectors::{Coverage, Format, Unit, Vectors, pages, testbench, units};
+use cube3_vectors::{Coverage, Format, Lines, Set, Unit, pages, testbench, units};
 use cube3_volume::ReadOptions;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Most lines of a file: a test bench reads them into memory.
 const MOST_LINES: usize = 1_000_000;
@@ -36,7 +39,7 @@ pub struct UnitArguments {
     /// Machine file or preset whose words are taken.
     #[arg(long, value_name = "FILE.toml|NAME", default_value = "cube3-128")]
     pub machine: String,
-    /// Lines: transactions, or cycles of a unit with a memory. The directed ones come first and are never left out.
+    /// Lines: transactions, or cycles of a unit with a memory. The directed ones come first.
     #[arg(long, default_value_t = 10_000, value_name = "LINES")]
     pub count: usize,
     /// Seed of everything random.
@@ -78,13 +81,16 @@ impl UnitArguments {
     /// How many lines.
     ///
     /// # Errors
-    /// More than fit.
+    /// None, and more than fit.
     pub fn lines(&self) -> Outcome<usize> {
         if self.count > MOST_LINES {
             return Err(Problem::new(format!(
                 "--count {}: a file holds at most {MOST_LINES} lines; make several with other seeds",
                 self.count
             )));
+        }
+        if self.count == 0 {
+            return Err(Problem::new("--count 0: a file without a line tests nothing; give at least 1"));
         }
         Ok(self.count)
     }
@@ -185,16 +191,22 @@ impl VectorsArguments {
         if self.from_run || self.frame {
             return self.of_scene();
         }
-        let (format, count) =
-            if self.reference { (Format::reference(), 0) } else { (self.unit.format()?, self.unit.lines()?) };
+        let format = if self.reference { Format::reference() } else { self.unit.format()? };
         let asked = self.unit.units()?;
         if self.sheet {
             let sheets: Result<Vec<String>, _> = asked.iter().map(|unit| unit.sheet().markdown(&format)).collect();
             return print(&sheets?.join("\n"));
         }
+        let count = self.unit.lines()?;
         make_folder(&self.out, "--out")?;
         for unit in asked {
-            self.write(unit.as_ref(), &Vectors::generate(unit.as_ref(), format, count, self.unit.seed)?)?;
+            memory::set(unit.as_ref(), &format, false)?.check()?;
+            let set = Set::new(unit.as_ref(), format, self.unit.seed)?;
+            let mut lines = Lines::new(unit.as_ref(), &set)?;
+            self.write(unit.as_ref(), &set, |take| match self.reference {
+                true => std::iter::from_fn(|| lines.directed()).try_for_each(take),
+                false => lines.take(count).try_for_each(take),
+            })?;
         }
         Ok(())
     }
@@ -225,22 +237,35 @@ impl VectorsArguments {
         }
     }
 
-    /// Writes a unit's files, and prints what they cover.
-    fn write(&self, unit: &dyn Unit, vectors: &Vectors) -> Outcome<()> {
-        let most = testbench::MOST_WORDS / vectors.fields.iter().map(Vec::len).sum::<usize>();
-        if self.testbench && vectors.inputs.len() > most {
-            return Err(Problem::new(format!(
-                "--testbench: a bench of {} holds {most} lines; give --count {most} at most",
-                vectors.sheet.name
-            )));
-        }
-        let coverage = vectors.coverage(unit)?;
-        write_vectors(&self.out, vectors)?;
+    /// Writes a unit's files from the lines that `lines` gives to what it is given, and prints what they cover.
+    fn write(
+        &self,
+        unit: &dyn Unit,
+        set: &Set,
+        lines: impl FnOnce(&mut dyn FnMut(Vec<i128>) -> Outcome<()>) -> Outcome<()>,
+    ) -> Outcome<()> {
+        let name = set.sheet.name;
+        let most = if self.testbench { testbench::MOST_WORDS / set.width() } else { usize::MAX };
+        let mut coverage = Coverage::new(&set.sheet, &set.format)?;
+        let mut left = most;
+        let files = SetFiles::write(&self.out, unit, set, Some(&mut coverage), |take| {
+            lines(&mut |line| {
+                left = left.checked_sub(1).ok_or_else(|| {
+                    Problem::new(format!(
+                        "--testbench: a bench of {name} holds {most} lines; give --count {most} at most"
+                    ))
+                })?;
+                take(line)
+            })
+        })?;
+        let count = files.written().lines;
+        let path = files.keep()?;
         if self.testbench {
-            let name = testbench::name(&vectors.sheet) + ".sv";
-            write_whole(&self.out.join(name), testbench::text(&vectors.sheet, &vectors.format)?.as_bytes())?;
+            let name = testbench::name(&set.sheet) + ".sv";
+            write_whole(&self.out.join(name), testbench::text(&set.sheet, &set.format)?.as_bytes())?;
         }
-        print(&covered(&self.out, vectors, &coverage))
+        let counted = if set.sheet.clocked { "cycles" } else { "transactions" };
+        print(&format!("{:<34} {count:>8} {counted:<13} {}", path.display(), covered(&coverage)))
     }
 
     /// Vectors or a whole frame from the run of a scene.
@@ -253,9 +278,22 @@ impl VectorsArguments {
         })?;
         let mut machine = self.scene.machine(&self.unit.machine)?;
         let read = ReadOptions::default();
+        let case = Case {
+            scene: &scene,
+            machine: &machine,
+            grid: Grid::of_scene(&scene.volume, &read)?,
+            runs: Runs::Cycle,
+            reference: false,
+            mask: false,
+            threads: memory::threads(None),
+        };
+        if self.frame {
+            case.rtl_frame().check()?
+        } else {
+            case.recording().check()?
+        }
         let volume = inputs::volume(&scene, &machine, &read, false)?;
         let scene = scene.thickened(volume.single);
-        inputs::check_memory(&scene, &machine, volume.words.dims, true, &read)?;
         make_folder(&self.out, "--out")?;
         let (dims, voxels) = (volume.words.dims, &volume.words.words);
         if self.frame {
@@ -288,7 +326,8 @@ impl VectorsArguments {
                 count: self.unit.lines()?,
                 channel: self.channel.as_deref().unwrap_or(DEFAULT_CHANNEL),
             };
-            self.write(unit.as_ref(), &record(&run, unit.as_ref(), &window)?)?;
+            let recording = Recording::new(&run, unit.as_ref(), &window)?;
+            self.write(unit.as_ref(), recording.set(), |take| recording.lines(take))?;
         }
         Ok(())
     }
@@ -306,30 +345,10 @@ fn pixels_text(plane: &BasePlane) -> String {
     ) + &plane.pixels.iter().map(pixel).collect::<String>()
 }
 
-/// Writes vectors and their tables into a folder.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write_vectors(folder: &Path, vectors: &Vectors) -> Outcome<PathBuf> {
-    let path = folder.join(format!("{}.hex", vectors.sheet.name));
-    for (table, text) in vectors.table_texts() {
-        write_whole(&folder.join(format!("{}.{table}.hex", vectors.sheet.name)), text.as_bytes())?;
-    }
-    write_whole(&path, vectors.text().as_bytes())?;
-    Ok(path)
-}
-
-/// What vectors cover, in a line, and a line for each point that they do not.
-fn covered(folder: &Path, vectors: &Vectors, coverage: &Coverage) -> String {
-    let path = folder.join(format!("{}.hex", vectors.sheet.name));
+/// How many points are covered, and a line for each that is not.
+fn covered(coverage: &Coverage) -> String {
     let (points, missed) = (coverage.points().len(), coverage.missed().count());
-    let counted = if vectors.sheet.clocked { "cycles" } else { "transactions" };
-    let mut text = format!(
-        "{:<34} {:>8} {counted:<13} {} of {points} points covered\n",
-        path.display(),
-        vectors.inputs.len(),
-        points - missed
-    );
+    let mut text = format!("{} of {points} points covered\n", points - missed);
     for point in coverage.missed() {
         text += &format!("    not covered: {}\n", point.name);
     }

@@ -1,21 +1,28 @@
 //! `cube3 verify`: units against their specification, and devices under test against golden vectors.
 
 use super::run::print;
-use super::vectors::{UnitArguments, unit, write_vectors};
+use super::vectors::{UnitArguments, unit};
 use super::words::WordsArguments;
 use crate::inputs;
 use crate::machine::Machine;
+use crate::memory;
 use crate::output::{make_folder, write_waveform};
 use crate::problem::{Outcome, Problem};
 use crate::record::{Run, defined_base_plane};
+use crate::vector_files::SetFiles;
 use clap::Args;
 use cube3_host::{MachineSpec, VolumeInfo, frame_setup};
 use cube3_scene::{Mode, Scene, View};
-use cube3_vectors::compare::{explain, first_mismatch};
+use cube3_vectors::compare::{Compared, explain};
 use cube3_vectors::waveform::around_mismatch;
-use cube3_vectors::{Format, Responses, Tables, Unit, VectorFile, Vectors, ranges, word_formats};
+use cube3_vectors::{
+    Answer, AnswerReader, Comparison, Definition, FileError, Format, Lines, Mismatch, ResponsesError, Set, Tables,
+    Unit, VectorReader, ranges, word_formats,
+};
 use cube3_word::{Words, unit_full};
 use rustix::process::{Pid, Signal, kill_process_group};
+use std::fs::File;
+use std::io::BufReader;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus};
@@ -23,6 +30,8 @@ use std::time::{Duration, Instant};
 
 /// Lines of a waveform before and behind the mismatch.
 const AROUND: usize = 16;
+/// Bytes of the lines that the lanes are given at a time.
+const BLOCK_BYTES: usize = 4 << 20;
 /// Between two looks at a device that has a limit of time.
 const LOOK: Duration = Duration::from_millis(5);
 
@@ -76,45 +85,60 @@ impl VerifyArguments {
             }
             return self.own();
         }
-        let (unit, vectors) = self.stimulus()?;
-        if vectors.inputs.is_empty() {
-            return Err(Problem::new(format!(
-                "{}: there is no line to compare, and no result; give a file with lines of vectors",
-                self.vectors.as_deref().unwrap_or(Path::new("vectors")).display()
-            )));
-        }
-        make_folder(&self.out, "--out")?;
-        let path = write_vectors(&self.out, &vectors)?;
+        let (unit, set, path, lines) = self.stimulus()?;
         let answers = match (&self.against, &self.dut) {
             (Some(answers), _) => answers.clone(),
             (None, Some(command)) => run_device(command, &self.out, &path, self.patience()?)?,
             (None, None) => return Ok(()),
         };
-        let text = std::fs::read_to_string(&answers).map_err(|error| {
-            let file = answers.display();
-            Problem::new(format!(
-                "{file}: {error}; give a text file with a line of output fields for each line of the vectors"
-            ))
-        })?;
-        let responses = Responses::parse(&text, &vectors)
-            .map_err(|error| Problem::new(format!("{}: {error}", answers.display())))?;
-        let Some(mismatch) = first_mismatch(&vectors, &responses) else {
-            let (name, lines) = (vectors.sheet.name, vectors.inputs.len());
+        let name = set.sheet.name;
+        let Some(mismatch) = self.mismatch(unit.as_ref(), &set, &path, &answers)? else {
             return print(&format!("{name}: all {lines} lines are equal, bit for bit\n"));
         };
-        let wave = self.out.join(format!("{}.fst", vectors.sheet.name));
-        let from = mismatch.line.saturating_sub(AROUND);
-        let to = (mismatch.line + AROUND + 1).min(vectors.inputs.len());
-        write_waveform(&wave, &around_mismatch(unit.as_ref(), &vectors, &responses, from..to)?)?;
-        print(&explain(unit.as_ref(), &vectors, &responses, &mismatch))?;
+        let wave = self.out.join(format!("{name}.fst"));
+        write_waveform(&wave, &around_mismatch(unit.as_ref(), &set, &mismatch)?)?;
+        print(&explain(unit.as_ref(), &set, &mismatch))?;
         Err(Problem::new(format!(
-            "{}: {} of {} lines differ from the specification, the first is {}; {} shows the lines around it",
-            vectors.sheet.name,
-            mismatch.lines,
-            vectors.inputs.len(),
+            "{name}: {} of {lines} lines differ from the specification, the first is {}; {} shows the lines around it",
+            mismatch.differ,
             mismatch.line,
             wave.display()
         )))
+    }
+
+    /// Where a file of answers differs first from the definition of the lines in a vector file.
+    fn mismatch(&self, unit: &dyn Unit, set: &Set, path: &Path, answers: &Path) -> Outcome<Option<Mismatch>> {
+        let place = |what: String| Problem::new(format!("{}: {what}", answers.display()));
+        let wrong = |error: ResponsesError| place(error.to_string());
+        let file = File::open(answers).map_err(|error| {
+            place(format!("{error}; give a text file with a line of output fields for each line of the vectors"))
+        })?;
+        let mut responses = AnswerReader::new(set, BufReader::new(file));
+        let (mut reader, mut definition) = (open_vectors(path)?, Definition::new(unit, set));
+        let mut comparison = Comparison::new(set, AROUND);
+        let (mut expected, mut found) = (0, 0);
+        loop {
+            let inputs = reader.inputs(set).map_err(|error| at(path, error))?;
+            let answers = responses.answers().map_err(wrong)?;
+            expected += usize::from(inputs.is_some());
+            found += usize::from(answers.is_some());
+            match (inputs, answers) {
+                (None, None) => break,
+                (Some(inputs), Some(answers)) => {
+                    let outputs = definition.answer(&inputs);
+                    comparison.push(Compared { inputs, outputs, answers });
+                }
+                _ => {}
+            }
+        }
+        if found != expected {
+            return Err(wrong(ResponsesError::Lines { found, expected }));
+        }
+        // A device could have changed what it was given.
+        if open_vectors(path)?.header().digest != Some(reader.digest(set)) {
+            return Err(at(path, FileError::Digest));
+        }
+        Ok(comparison.finish())
     }
 
     /// How long the device may take.
@@ -128,34 +152,55 @@ impl VerifyArguments {
         }
     }
 
-    /// What drives the device.
-    fn stimulus(&self) -> Outcome<(Box<dyn Unit>, Vectors)> {
+    /// What drives the device: the unit, what its lines have in common, the file with them and how many they are.
+    fn stimulus(&self) -> Outcome<(Box<dyn Unit>, Set, PathBuf, usize)> {
         let Some(path) = &self.vectors else {
             let name = self.unit.unit.as_deref().ok_or_else(|| {
                 Problem::new("--unit is missing: a device is compared with one unit; `cube3 vectors --list` names them")
             })?;
             let unit = unit(name)?;
-            let vectors = Vectors::generate(unit.as_ref(), self.unit.format()?, self.unit.lines()?, self.unit.seed)?;
-            return Ok((unit, vectors));
+            let (format, count) = (self.unit.format()?, self.unit.lines()?);
+            memory::set(unit.as_ref(), &format, false)?.check()?;
+            let set = Set::new(unit.as_ref(), format, self.unit.seed)?;
+            make_folder(&self.out, "--out")?;
+            let files = SetFiles::write(&self.out, unit.as_ref(), &set, None, |take| {
+                Lines::new(unit.as_ref(), &set)?.take(count).try_for_each(take)
+            })?;
+            return Ok((unit, set, files.keep()?, count));
         };
-        let place = |what: String| Problem::new(format!("{}: {what}", path.display()));
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| place(format!("{error}; give a file that `cube3 vectors` wrote")))?;
-        let file = VectorFile::parse(&text).map_err(|error| place(error.to_string()))?;
-        let unit = unit(&file.unit)?;
-        if self.unit.unit.as_ref().is_some_and(|name| *name != file.unit) {
-            return Err(place(format!("these are vectors of {}; leave out --unit", file.unit)));
+        let mut reader = open_vectors(path)?;
+        let header = reader.header().clone();
+        let unit = unit(&header.unit)?;
+        if self.unit.unit.as_ref().is_some_and(|name| *name != header.unit) {
+            return Err(at(path, format!("these are vectors of {}; leave out --unit", header.unit)));
         }
+        memory::set(unit.as_ref(), &header.format, false)?.check()?;
         let mut tables = Tables::new();
         for of in unit.sheet().tables {
             // Beside the vectors, with the table's name before the extension.
             let path = path.with_extension(format!("{}.hex", of.name));
-            let place = |what: String| Problem::new(format!("{}: {what}", path.display()));
-            let text = std::fs::read_to_string(&path).map_err(|error| place(error.to_string()))?;
-            tables.push(file.table(&of, &text).map_err(|error| place(error.to_string()))?);
+            let file = File::open(&path).map_err(|error| at(&path, error))?;
+            tables.push(header.table(&of, BufReader::new(file)).map_err(|error| at(&path, error))?);
         }
-        let vectors = file.vectors(unit.as_ref(), tables).map_err(|error| place(error.to_string()))?;
-        Ok((unit, vectors))
+        let set = Set::with_tables(unit.as_ref(), header.format, header.seed, tables)?;
+        make_folder(&self.out, "--out")?;
+        let files = SetFiles::write(&self.out, unit.as_ref(), &set, None, |take| {
+            while let Some(inputs) = reader.inputs(&set).map_err(|error| at(path, error))? {
+                take(inputs)?;
+            }
+            Ok(())
+        })?;
+        let written = files.written();
+        if written.lines == 0 {
+            let reason = "there is no line to compare, and no result; give a file with lines of vectors";
+            return Err(at(path, reason));
+        }
+        // What was written is the definition's: inputs, outputs and tables that were changed, or lines that are missing, show here.
+        if header.digest.is_some_and(|digest| digest != written.digest) {
+            return Err(at(path, FileError::Digest));
+        }
+        let lines = written.lines;
+        Ok((unit, set, files.keep()?, lines))
     }
 
     /// Our own lanes against the definition, and wires against their ranges.
@@ -168,17 +213,16 @@ impl VerifyArguments {
             let name = unit.sheet().name;
             let (mut lines, mut answered, mut equal, mut wires, mut hold) = (0, 0, 0, 0, 0);
             for format in &formats {
-                let vectors = Vectors::generate(unit.as_ref(), *format, count, self.unit.seed)?;
-                lines += vectors.inputs.len();
-                if let Some(values) = unit.lanes(format, &vectors.tables, &vectors.inputs) {
-                    answered += values.len();
-                    equal += values.len();
-                    let responses = Responses::from_values(&vectors, &values);
-                    if let Some(mismatch) = first_mismatch(&vectors, &responses) {
-                        equal -= mismatch.lines;
-                        print(&explain(unit.as_ref(), &vectors, &responses, &mismatch))?;
-                        wrong.push(format!("{name}: lanes differ from the definition"));
-                    }
+                memory::set(unit.as_ref(), format, true)?.check()?;
+                let set = Set::new(unit.as_ref(), *format, self.unit.seed)?;
+                let (mismatch, compared) = lanes(unit.as_ref(), &set, count)?;
+                lines += count;
+                answered += compared;
+                equal += compared;
+                if let Some(mismatch) = mismatch {
+                    equal -= mismatch.differ;
+                    print(&explain(unit.as_ref(), &set, &mismatch))?;
+                    wrong.push(format!("{name}: lanes differ from the definition"));
                 }
                 let found = ranges::search(unit.as_ref(), format, count.min(1000), self.unit.seed)?;
                 wires += found.wires.len();
@@ -226,6 +270,36 @@ impl VerifyArguments {
             Some(first) => Err(Problem::new(format!("{first} ({} found in all)", wrong.len()))),
         }
     }
+}
+
+/// A problem in a file.
+fn at(path: &Path, what: impl std::fmt::Display) -> Problem {
+    Problem::new(format!("{}: {what}", path.display()))
+}
+
+fn open_vectors(path: &Path) -> Outcome<VectorReader<BufReader<File>>> {
+    let file =
+        File::open(path).map_err(|error| at(path, format!("{error}; give a file that `cube3 vectors` wrote")))?;
+    VectorReader::new(BufReader::new(file)).map_err(|error| at(path, error))
+}
+
+/// The first `count` lines of a set by the unit's lanes against its definition: where they differ first, and how many were compared.
+fn lanes(unit: &dyn Unit, set: &Set, count: usize) -> Outcome<(Option<Mismatch>, usize)> {
+    let mut lines = Lines::new(unit, set)?.take(count).peekable();
+    let mut definition = Definition::new(unit, set);
+    let mut comparison = Comparison::new(set, 0);
+    let most = (BLOCK_BYTES / (16 * set.width())).max(1);
+    while lines.peek().is_some() {
+        let block: Vec<Vec<i128>> = lines.by_ref().take(most).collect();
+        let Some(values) = unit.lanes(&set.format, &set.tables, &block) else { break };
+        for (inputs, values) in block.into_iter().zip(values) {
+            let outputs = definition.answer(&inputs);
+            let answers = set.fields[1].iter().zip(values).map(|(field, value)| Answer::of(field, value)).collect();
+            comparison.push(Compared { inputs, outputs, answers });
+        }
+    }
+    let compared = comparison.lines();
+    Ok((comparison.finish(), compared))
 }
 
 /// Voxels a side of a frame that is compared pixel by pixel, and lanes: a ray takes two chunks.

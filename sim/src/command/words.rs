@@ -1,12 +1,14 @@
 //! `cube3 verify --words`: the study of word lengths.
 
-use super::on_threads;
 use super::run::{keep_inputs, print};
 use super::scene::SceneArguments;
+use super::{on_threads, threads};
 use crate::inputs;
+use crate::memory::{Case, Grid};
 use crate::output::{remove, write_files};
 use crate::problem::Outcome;
 use crate::progress::Waiting;
+use crate::run::Runs;
 use crate::words_study::wire::Wire;
 use crate::words_study::{Options, csv, json, page, plots, study, summary};
 use clap::Args;
@@ -66,10 +68,19 @@ impl WordsArguments {
             wires.retain(|wire| self.wires.contains(wire));
         }
         let options = Options { wires, bound_levels: self.bound, bound_deg: self.angle_bound };
+        let read = ReadOptions::default();
+        let case = Case {
+            scene: &scene,
+            machine: &machine,
+            grid: Grid::of_scene(&scene.volume, &read)?,
+            runs: Runs::Function,
+            reference: true,
+            mask: false,
+            threads: threads(self.threads)?,
+        };
+        case.words_study().check()?;
         let study = on_threads(self.threads, || {
-            let read = ReadOptions::default();
             let volume = inputs::volume(&scene, &machine, &read, false)?;
-            inputs::check_memory(&scene, &machine, volume.words.dims, false, &read)?;
             let scene = scene.thickened(volume.single);
             let _waiting = Waiting::new("word lengths");
             study(&scene, &machine, &volume, &options)

@@ -1,6 +1,6 @@
 //! The bounded channel, cycle by cycle.
 
-use crate::{Format, Port, Recorder, Sheet, Tables, Unit};
+use crate::{Device, Format, Port, Recorder, Sheet, Tables, Unit};
 use cube3_channel::Channel as GoldenChannel;
 
 /// The channel.
@@ -36,9 +36,9 @@ impl Unit for Channel {
         }
     }
 
-    /// A cycle of an empty channel; what a channel answers depends on the cycles before: see [`Unit::run`].
-    fn evaluate(&self, format: &Format, tables: &Tables, inputs: &[i128], _: &mut Recorder) -> Vec<i128> {
-        self.run(format, tables, &[inputs.to_vec()]).concat()
+    /// A cycle of an empty channel; what a channel answers depends on the cycles before: see [`Unit::start`].
+    fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], _: &mut Recorder) -> Vec<i128> {
+        self.start(format).map_or_else(Vec::new, |mut device| device(inputs))
     }
 
     /// Bursts: full, empty, full rate, and each rate of one side against the other.
@@ -61,10 +61,10 @@ impl Unit for Channel {
         sizes.map(|(capacity, latency)| Format { capacity, latency, ..Format::default() }).to_vec()
     }
 
-    fn run(&self, format: &Format, _: &Tables, lines: &[Vec<i128>]) -> Vec<Vec<i128>> {
+    fn start<'a>(&'a self, format: &'a Format) -> Option<Device<'a>> {
         let mut channel =
             GoldenChannel::new("channel", format.capacity.max(1) as usize, u64::from(format.latency.max(1)));
-        let mut cycle = |inputs: &Vec<i128>| {
+        Some(Box::new(move |inputs| {
             let Ok(channel) = &mut channel else { return vec![0; 4] };
             let outputs = vec![
                 channel.can_push().into(),
@@ -81,7 +81,6 @@ impl Unit for Channel {
             }
             channel.commit();
             outputs
-        };
-        lines.iter().map(&mut cycle).collect()
+        }))
     }
 }

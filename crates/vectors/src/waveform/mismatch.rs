@@ -8,9 +8,8 @@
 //! ```
 
 use super::{Header, Radix, Signal, Waveform, WaveformError};
-use crate::compare::Responses;
-use crate::{Field, Recorder, Unit, Vectors, bits_of};
-use std::ops::Range;
+use crate::compare::{Compared, Mismatch};
+use crate::{Field, Recorder, Set, Unit, bits_of};
 
 /// Time units of a line.
 const LINE: u64 = 10;
@@ -34,27 +33,22 @@ fn variables(header: &mut Header, name: &str, fields: &[Field]) -> Result<Vec<Si
     signals
 }
 
-/// The waveform of some lines.
+/// The waveform of the lines around a mismatch.
 ///
 /// # Errors
 /// What the writer of the format says.
-pub fn around_mismatch(
-    unit: &dyn Unit,
-    vectors: &Vectors,
-    responses: &Responses,
-    lines: Range<usize>,
-) -> Result<Waveform, WaveformError> {
-    let sheet = &vectors.sheet;
-    let mut header = Header::new(lines.start as u64 * LINE, -9)?;
+pub fn around_mismatch(unit: &dyn Unit, set: &Set, mismatch: &Mismatch) -> Result<Waveform, WaveformError> {
+    let sheet = &set.sheet;
+    let mut header = Header::new(mismatch.from as u64 * LINE, -9)?;
     header.scope(sheet.name)?;
     let number = header.variable("line", 32, Radix::Unsigned)?;
     let differs = header.flag("differs")?;
-    let inputs = variables(&mut header, "in", &vectors.fields[0])?;
+    let inputs = variables(&mut header, "in", &set.fields[0])?;
     header.scope("wires")?;
     let mut wires = Vec::new();
     for wire in &sheet.wires {
-        let count = vectors.format.evaluate(wire.count).unwrap_or(1).max(1) as usize;
-        let ends = [0, 1].map(|end| vectors.format.evaluate(wire.range[end]).unwrap_or(0));
+        let count = set.format.evaluate(wire.count).unwrap_or(1).max(1) as usize;
+        let ends = [0, 1].map(|end| set.format.evaluate(wire.range[end]).unwrap_or(0));
         let bits = bits_of(ends);
         let mut row = Vec::new();
         for place in 0..count {
@@ -64,21 +58,21 @@ pub fn around_mismatch(
         wires.push((row, bits));
     }
     header.up_scope()?;
-    let expected = variables(&mut header, "expected", &vectors.fields[1])?;
-    let got = variables(&mut header, "got", &vectors.fields[1])?;
+    let expected = variables(&mut header, "expected", &set.fields[1])?;
+    let got = variables(&mut header, "got", &set.fields[1])?;
     header.up_scope()?;
     let mut body = header.finish()?;
     let mut recorder = Recorder::default();
-    for line in lines.clone() {
+    for (line, Compared { inputs: values, outputs, answers }) in (mismatch.from..).zip(&mismatch.around) {
         body.time(line as u64 * LINE)?;
         body.change(number, &digits(line as u128, 32))?;
-        for ((field, value), signal) in vectors.fields[0].iter().zip(&vectors.inputs[line]).zip(&inputs) {
+        for ((field, value), signal) in set.fields[0].iter().zip(values).zip(&inputs) {
             body.change(*signal, &digits(*value as u128, field.bits))?;
         }
         let mut carried: Vec<Vec<Vec<u8>>> = wires.iter().map(|(row, bits)| vec![unknown(*bits); row.len()]).collect();
         if !sheet.clocked {
             recorder.clear();
-            unit.evaluate(&vectors.format, &vectors.tables, &vectors.inputs[line], &mut recorder);
+            unit.evaluate(&set.format, &set.tables, values, &mut recorder);
             for seen in recorder.seen() {
                 let wire = sheet.wire(seen.part, seen.name);
                 if let Some((place, bits)) =
@@ -94,14 +88,14 @@ pub fn around_mismatch(
             }
         }
         let mut wrong = false;
-        for (i, field) in vectors.fields[1].iter().enumerate() {
-            let right = digits(vectors.outputs[line][i] as u128, field.bits);
-            let answer = responses.lines[line][i].bits.map_or(unknown(field.bits), |bits| digits(bits, field.bits));
+        for (i, field) in set.fields[1].iter().enumerate() {
+            let right = digits(outputs[i] as u128, field.bits);
+            let answer = answers[i].bits.map_or(unknown(field.bits), |bits| digits(bits, field.bits));
             wrong |= right != answer;
             body.change(expected[i], &right)?;
             body.change(got[i], &answer)?;
         }
         body.change(differs, if wrong { b"1" } else { b"0" })?;
     }
-    body.finish(lines.end as u64 * LINE)
+    body.finish((mismatch.from + mismatch.around.len()) as u64 * LINE)
 }

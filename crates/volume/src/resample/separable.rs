@@ -30,7 +30,7 @@ fn checked<S: Sample>(
 }
 
 /// Numbers of 8 bytes on the way: slices between the passes, and weights; `None` where they overflow.
-fn reals(old: [usize; 3], axes: &[NewAxis; 3]) -> Option<u64> {
+pub(super) fn reals(old: [usize; 3], axes: &[NewAxis; 3]) -> Option<u64> {
     let between = match axes[2].places {
         Places::Same => 0,
         _ => (axes[0].size as u64).checked_mul(axes[1].size as u64)?.checked_mul(old[2] as u64)?,

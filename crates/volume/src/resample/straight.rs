@@ -4,13 +4,15 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::spline::{Taps, to_coefficients};
-use super::{Filter, NewGrid, ROUNDING, ResampleReport, Resampling, check_memory, reserve, shortest, steps, store};
+use super::{
+    Filter, NewGrid, Old, ROUNDING, ResampleReport, Resampling, check_memory, reserve, shortest, steps, store,
+};
 use crate::{Sample, Samples, Volume, VolumeError, World, with_samples};
 
 /// The volume in the box around all its voxel centres; an axis of one voxel is one thick.
 pub(super) fn resample(volume: &Volume, how: &Resampling, limit: u64) -> Result<(Volume, ResampleReport), VolumeError> {
     let source = volume.thickened();
-    let grid = Straight::around(&source, how.grid)?;
+    let grid = Straight::around(&Old::of(&source), how.grid)?;
     let least = source.finite_range().0.0;
     let outside = how.outside.unwrap_or(least);
     let (samples, clipped, outside) = with_samples!(&source.samples, samples => {
@@ -19,8 +21,13 @@ pub(super) fn resample(volume: &Volume, how: &Resampling, limit: u64) -> Result<
     let world = World { space: volume.world.space, ..World::default() };
     let resampled = Volume::new(grid.dims, grid.spacing, samples)?.with_world(grid.origin.to_array(), world)?;
     let coarsest = grid.spacing.into_iter().fold(0.0, f64::max);
-    let coarser = coarsest > shortest(&source) * (1.0 + 1e-9);
+    let coarser = coarsest > shortest(&Old::of(&source)) * (1.0 + 1e-9);
     Ok((resampled, ResampleReport { clipped, outside, coarser }))
+}
+
+/// Voxels of the new grid.
+pub(super) fn dims(old: &Old, grid: NewGrid) -> Result<[usize; 3], VolumeError> {
+    Ok(Straight::around(old, grid)?.dims)
 }
 
 struct Straight {
@@ -34,7 +41,7 @@ struct Straight {
 }
 
 impl Straight {
-    fn around(volume: &Volume, grid: NewGrid) -> Result<Self, VolumeError> {
+    fn around(volume: &Old, grid: NewGrid) -> Result<Self, VolumeError> {
         let old = volume.dims;
         let steps_in_world = [0, 1, 2].map(|a| DVec3::from(volume.world.directions[a]) * volume.spacing[a]);
         let matrix = DMat3::from_cols_array_2d(&steps_in_world.map(|s| s.to_array()));

@@ -1,0 +1,133 @@
+//! Sets of vectors: what their lines have in common, what the definition says to a line, and small sets held in memory.
+
+use crate::expression::ExpressionError;
+use crate::{Coverage, Field, Format, Lines, Recorder, Seen, Sheet, Tables, Unit};
+
+/// What the lines of a set have in common.
+#[derive(Clone, Debug)]
+pub struct Set {
+    /// The sheet.
+    pub sheet: Sheet,
+    /// The format.
+    pub format: Format,
+    /// The seed of all that is random.
+    pub seed: u64,
+    /// Contents of the tables.
+    pub tables: Tables,
+    /// Fields of the inputs, and of the outputs.
+    pub fields: [Vec<Field>; 2],
+}
+
+impl Set {
+    /// A set with the unit's own contents of its tables.
+    ///
+    /// # Errors
+    /// An expression of the sheet without a value.
+    pub fn new(unit: &dyn Unit, format: Format, seed: u64) -> Result<Set, ExpressionError> {
+        Set::with_tables(unit, format, seed, unit.tables(&format))
+    }
+
+    /// A set with other contents of the tables than the unit's own.
+    ///
+    /// # Errors
+    /// An expression of the sheet without a value.
+    pub fn with_tables(unit: &dyn Unit, format: Format, seed: u64, tables: Tables) -> Result<Set, ExpressionError> {
+        let sheet = unit.sheet();
+        let fields = [Sheet::fields(&sheet.inputs, &format)?, Sheet::fields(&sheet.outputs, &format)?];
+        Ok(Set { sheet, format, seed, tables, fields })
+    }
+
+    /// Fields of a line, inputs and outputs.
+    pub fn width(&self) -> usize {
+        self.fields.iter().map(Vec::len).sum()
+    }
+}
+
+/// The outputs of a unit with a memory for the inputs of a cycle, from reset on.
+pub type Device<'a> = Box<dyn FnMut(&[i128]) -> Vec<i128> + 'a>;
+
+/// The definition of a unit, line after line from reset on.
+pub struct Definition<'a> {
+    unit: &'a dyn Unit,
+    set: &'a Set,
+    device: Option<Device<'a>>,
+    recorder: Recorder,
+}
+
+impl<'a> Definition<'a> {
+    /// After reset.
+    pub fn new(unit: &'a dyn Unit, set: &'a Set) -> Definition<'a> {
+        Definition { unit, set, device: unit.start(&set.format), recorder: Recorder::default() }
+    }
+
+    /// The output fields of the next line.
+    pub fn answer(&mut self, inputs: &[i128]) -> Vec<i128> {
+        self.recorder.clear();
+        match &mut self.device {
+            Some(device) => device(inputs),
+            None => self.unit.evaluate(&self.set.format, &self.set.tables, inputs, &mut self.recorder),
+        }
+    }
+
+    /// What the wires carried in that line; nothing of a unit with a memory.
+    pub fn seen(&self) -> &[Seen] {
+        self.recorder.seen()
+    }
+}
+
+/// A small set with its lines, in memory.
+#[derive(Clone, Debug)]
+pub struct Vectors {
+    /// What the lines have in common.
+    pub set: Set,
+    /// Input fields of each line.
+    pub inputs: Vec<Vec<i128>>,
+    /// Output fields of each line.
+    pub outputs: Vec<Vec<i128>>,
+}
+
+impl Vectors {
+    /// Lines with these inputs.
+    pub fn of(unit: &dyn Unit, set: Set, inputs: Vec<Vec<i128>>) -> Vectors {
+        let mut definition = Definition::new(unit, &set);
+        let outputs = inputs.iter().map(|line| definition.answer(line)).collect();
+        drop(definition);
+        Vectors { set, inputs, outputs }
+    }
+
+    /// The first `count` lines of [`Lines`].
+    ///
+    /// # Errors
+    /// An expression of the sheet without a value.
+    pub fn generate(unit: &dyn Unit, format: Format, count: usize, seed: u64) -> Result<Vectors, ExpressionError> {
+        let set = Set::new(unit, format, seed)?;
+        let inputs = Lines::new(unit, &set)?.take(count).collect();
+        Ok(Vectors::of(unit, set, inputs))
+    }
+
+    /// The directed lines and those for coverage, however many.
+    ///
+    /// # Errors
+    /// An expression of the sheet without a value.
+    pub fn directed(unit: &dyn Unit, format: Format, seed: u64) -> Result<Vectors, ExpressionError> {
+        let set = Set::new(unit, format, seed)?;
+        let mut lines = Lines::new(unit, &set)?;
+        let inputs = std::iter::from_fn(|| lines.directed()).collect();
+        drop(lines);
+        Ok(Vectors::of(unit, set, inputs))
+    }
+
+    /// What the lines cover.
+    ///
+    /// # Errors
+    /// An expression of the sheet without a value.
+    pub fn coverage(&self, unit: &dyn Unit) -> Result<Coverage, ExpressionError> {
+        let mut coverage = Coverage::new(&self.set.sheet, &self.set.format)?;
+        let mut definition = Definition::new(unit, &self.set);
+        for inputs in &self.inputs {
+            let outputs = definition.answer(inputs);
+            coverage.see(inputs, definition.seen(), &outputs);
+        }
+        Ok(coverage)
+    }
+}
