@@ -7,7 +7,7 @@
 #                                                        left-posterior-superior-time  RAS are taken for those of LPS
 #                                                        has it
 #
-# Runs in a folder of its own; installs the packages there unless PY names a Python that has them.
+# Runs in a folder of its own; installs the packages there unless PY names a Python that has them. Fails where that changes.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
@@ -32,7 +32,9 @@ open("nan.nii", "wb").write(bytes(header) + numbers.tobytes())
 start = b"NRRD0004\ntype: float\ndimension: 3\nsizes: 4 1 1\nendian: little\nencoding: raw\n\n"
 open("nan.nrrd", "wb").write(start + numbers.tobytes())
 for name in ("nan.nrrd", "nan.nii"):
-    print(f"{name}: written {numbers.tolist()}, read {sitk.GetArrayFromImage(sitk.ReadImage(name)).ravel().tolist()}")
+    read = sitk.GetArrayFromImage(sitk.ReadImage(name)).ravel()
+    print(f"{name}: written {numbers.tolist()}, read {read.tolist()}")
+    assert numpy.isfinite(read).all() == (name == "nan.nii"), "that has changed"
 
 # One place, in two ways of counting.
 for space, first, origin in [
@@ -44,6 +46,8 @@ for space, first, origin in [
     lines += ["kinds: space space space time", "", ""]
     open("timed.nrrd", "wb").write("\n".join(lines).encode() + bytes(range(16)))
     image = sitk.ReadImage("timed.nrrd")
-    print(f"{space}: voxel (1, 0, 0, 0) is read at {image.TransformIndexToPhysicalPoint([1, 0, 0, 0])[:3]}")
+    place = image.TransformIndexToPhysicalPoint([1, 0, 0, 0])[:3]
+    print(f"{space}: voxel (1, 0, 0, 0) is read at {place}")
+    assert place[0] == (11 if space.startswith("left") else -11), "that has changed"
 P
 "$PY" ask.py
