@@ -40,11 +40,11 @@ pub(crate) fn sides_report(view: &View, world: &World) -> Outcome<Option<SidesRe
 }
 
 /// What no turn of axes takes away.
-pub(crate) fn left_over_note(file: &Path, world: &World) -> Option<String> {
-    let file = file.display();
+pub(crate) fn left_over_note(file: &Path, world: &World, labels: bool) -> Option<String> {
+    let (file, filter) = (file.display(), if labels { " --filter nearest" } else { "" });
     world.left_over().in_words().map(|left| {
         format!(
-            "{file}: {left}; it is drawn along its own axes, and `cube3 volume resample {file} straight.nrrd --straight` makes one that lies straight"
+            "{file}: {left}; it is drawn along its own axes, and `cube3 volume resample {file} straight.nrrd --straight{filter}` makes one that lies straight"
         )
     })
 }

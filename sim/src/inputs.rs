@@ -86,7 +86,7 @@ pub fn data(source: &VolumeSource, options: &ReadOptions) -> Outcome<Incoming> {
         let about = cube3_volume::inspect(path, &options)?;
         let data = cube3_volume::read(path, &options)?;
         let mut notes = about.remarks.clone();
-        notes.extend(directions::left_over_note(path, &data.world));
+        notes.extend(directions::left_over_note(path, &data.world, source.labels));
         let mut name = path.display().to_string();
         if about.volumes > 1 {
             let last = about.volumes - 1;
@@ -106,6 +106,11 @@ pub fn data(source: &VolumeSource, options: &ReadOptions) -> Outcome<Incoming> {
         return Err(Problem::new(format!(
             "{first} is the first of a series of {count} volumes; give --frames N too, or a single volume"
         )));
+    }
+    if source.time.is_some() {
+        return Err(Problem::new(
+            "a phantom is no series in a file: leave --time (volume.time in the scene) out, or give a volume file",
+        ));
     }
     let default = Scene::default().volume;
     let name = source.phantom.clone().or(default.phantom).unwrap_or_default();

@@ -103,8 +103,7 @@ fn a_file_is_drawn_by_its_directions_however_it_is_stored() {
             assert_eq!(turned["volume"]["axes"]["drawn"], "RAS");
         }
         // As stored the left is on the right.
-        std::fs::write(at.join("stored.toml"), format!("{SCENE}[volume]\naxes = \"stored\"\nfile = \"las.nrrd\"\n"))
-            .unwrap();
+        std::fs::write(at.join("stored.toml"), format!("{SCENE}[volume]\naxes = \"stored\"\n")).unwrap();
         run(at, "las.nrrd", "stored", &[&more[..more.len() - 1], &["stored.toml"]].concat());
         assert!(bytes(at, "stored/image.png") != bytes(at, &format!("ras{view}/image.png")));
         assert_eq!(report(at, "stored")["volume"]["axes"]["drawn"], "LAS");
@@ -239,6 +238,15 @@ fn a_series_in_one_file_plays_as_one_in_several() {
     let text = run(at, "all.nrrd", "o", &["--reference", "none", "--scene", "w.toml", "--time", "2"]);
     assert!(text.contains("volume 2 of 0 to 2") && !text.contains("holds a series"), "{text}");
     assert!(bytes(at, "o/image.png") == frames[2]);
+    std::fs::write(at.join("time.toml"), "[volume]\ntime = 2\n").unwrap();
+    let text = run(at, "all.nrrd", "o", &["--reference", "none", "--scene", "time.toml"]);
+    assert!(text.contains("volume 2 of 0 to 2"), "{text}");
+    let output = cube3(at, &["run", "--time", "0", "--size", "16", "--out", "no"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("a phantom is no series"), "{output:?}");
+    let output = cube3(at, &["volume", "convert", "all.nrrd", "all.nrrd"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("would take its place"), "{output:?}");
     let output = cube3(at, &["run", "--volume", "all.nrrd", "--time", "3", "--out", "no"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("volume 3 of a file of 3"), "{output:?}");

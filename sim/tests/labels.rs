@@ -106,7 +106,7 @@ fn the_report_says_that_these_are_labels() {
     let report = run(&scene(20.0), &machine, &load(boxes(), &machine), Reference::None).report;
     let text = cube3_report::table(&report);
     let line = |name: &str| text.lines().find(|line| line.trim_start().starts_with(name)).unwrap().to_owned();
-    assert!(line("Voxel words").contains("labels, not interpolated; window 0 to 4095.9375"), "{text}");
+    assert!(line("Voxel words").contains("labels, not interpolated; window 0 to 4095.938"), "{text}");
     assert!(line("Sampling").contains("offset 0, nearest voxel, wrapped"), "{text}");
     assert_eq!(report.scene["volume"]["labels"], true);
 }

@@ -100,8 +100,8 @@ pub(crate) fn major(direction: [f64; 3]) -> (usize, bool) {
 }
 
 /// How far beyond the volume a ray of the picture may pass for its neighbours on the base plane to meet a voxel still: rays are 3
-/// voxels apart at most.
-const REACH: f64 = 4.0;
+/// voxels apart at most. Not a whole number, or an eye on a voxel would be on its edge, where rounding decides.
+const REACH: f64 = 4.000_001;
 
 /// The axes of each pass that the picture needs: the one of the view's direction first, then the one with the most pixels.
 fn passes(plane: &ImagePlane, view: &ViewFrame, volume: &VolumeInfo) -> Vec<Axes> {

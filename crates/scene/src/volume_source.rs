@@ -201,13 +201,7 @@ impl VolumeSource {
                     "give the name of a phantom, such as \"head\"",
                 ));
             }
-            Some(_) => {
-                for (key, given) in [("volume.time", self.time.is_some()), ("volume.axes", !self.axes.is_default())] {
-                    if given {
-                        return Err(SceneError::at(key, "a phantom is no file", "leave it out, or give a volume file"));
-                    }
-                }
-            }
+            Some(_) => {}
         }
         check::finite("volume.phase", self.phase.unwrap_or_default())?;
         check::finite("volume.phase_per_frame", self.phase_per_frame.unwrap_or_default())?;

@@ -75,10 +75,6 @@ fn every_option_in_the_commented_default_exists() {
     assert_eq!(only("[volume]", "files =").volume.files.len(), 2);
     let series = Scene::from_toml("[volume]\nfile = \"a\"\ntime = 3\naxes = \"stored\"\n", "series").unwrap();
     assert_eq!((series.volume.time, series.volume.axes), (Some(3), FileAxes::Stored));
-    for (key, value) in [("time", "0"), ("axes", "\"stored\"")] {
-        let error = Scene::from_toml(&format!("[volume]\nphantom = \"head\"\n{key} = {value}\n"), "no").unwrap_err();
-        assert_eq!(error.key(), format!("volume.{key}"));
-    }
     assert_eq!(Scene::from_toml("schema = 1\n", "old").unwrap().schema, 1);
     assert!(only("[volume]", "labels =").volume.labels);
     assert_eq!(only("[image]", "pixel_size").image.pixel_size_voxel, Some(1.0));

@@ -312,7 +312,7 @@ fn scale(header: &Header, place: &Place) -> Result<Option<[f64; 2]>, VolumeError
 /// Where the grid lies: by sform, by qform, or by `pixdim` alone.
 fn placed(header: &Header, dims: [usize; 3], place: &Place, remarks: &mut Vec<String>) -> Result<Placed, VolumeError> {
     let known = |s: f64| s.is_finite() && s > 0.0;
-    let mut spacing = [0, 1, 2].map(|a| {
+    let spacing = [0, 1, 2].map(|a| {
         let said = header.pixdim(a + 1).abs();
         let exists = a < header.dim(0) as usize;
         let single = dims[a] == 1 && !known(said);
@@ -327,27 +327,28 @@ fn placed(header: &Header, dims: [usize; 3], place: &Place, remarks: &mut Vec<St
         (0..3).all(|a| dims[a] == 1 || known(length(&columns[a])))
     };
     if let Some((columns, origin)) = sform {
-        if good(&columns) {
-            for a in 0..3 {
-                let length = columns[a].iter().map(|x| x * x).sum::<f64>().sqrt();
-                let said = header.pixdim(a + 1).abs();
-                let agrees = (length - said).abs() <= 1e-4 * said;
-                if dims[a] > 1 && !agrees {
-                    if known(said) {
-                        remarks.push(format!("pixdim[{}] is {said}, a step of sform {length}: sform is taken", a + 1));
-                    }
-                    spacing[a] = length;
-                } else if known(said) && !agrees && known(length) {
-                    spacing[a] = length;
+        let lengths = columns.map(|c| c.iter().map(|x| x * x).sum::<f64>().sqrt());
+        let said = [0, 1, 2].map(|a| header.pixdim(a + 1).abs());
+        let agrees = |a: usize| (lengths[a] - said[a]).abs() <= 1e-4 * said[a];
+        // A single slice has no step that could be wrong.
+        let by_steps = [0, 1, 2].map(|a| {
+            let step = !agrees(a) && known(lengths[a]) && (dims[a] > 1 || known(said[a]));
+            if step { lengths[a] } else { spacing[a] }
+        });
+        let steps = columns.map(|c| c.iter().any(|x| *x != 0.0).then_some(c));
+        let placed = match good(&columns) {
+            true => Placed::steps(Space::Patient, steps, by_steps, origin),
+            false => Err("a step has no length"),
+        };
+        match placed {
+            Ok(placed) => {
+                for a in (0..3).filter(|&a| dims[a] > 1 && !agrees(a) && known(said[a])) {
+                    let (said, length) = (said[a], lengths[a]);
+                    remarks.push(format!("pixdim[{}] is {said}, a step of sform {length}: sform is taken", a + 1));
                 }
+                return Ok(placed);
             }
-            let steps = columns.map(|c| c.iter().any(|x| *x != 0.0).then_some(c));
-            match Placed::steps(Space::Patient, steps, spacing, origin) {
-                Ok(placed) => return Ok(placed),
-                Err(reason) => remarks.push(format!("sform: {reason}: it is passed over")),
-            }
-        } else {
-            remarks.push("sform has a step of no length: it is passed over".into());
+            Err(reason) => remarks.push(format!("sform: {reason}: it is passed over")),
         }
     }
     if header.code((252, 344)) > 0 {

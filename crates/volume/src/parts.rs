@@ -170,7 +170,11 @@ impl<'a> Parts<'a> {
             Some(Stream::Plain(mut source)) if source.is_packed() => read_full(&mut source, &mut [0]),
             _ => Ok(0),
         };
-        let more = more.map_err(|e| self.place.io("read", e))?;
+        let more = match more {
+            // What follows a whole member and is no other is passed over, as gzip does: padding.
+            Err(error) if error.to_string() == "invalid gzip header" => 0,
+            more => more.map_err(|e| self.place.io("read", e))?,
+        };
         if more > 0 && self.layout.last {
             let given = self.given * self.layout.stored.bytes() as u64;
             return Err(self.place.wrong(

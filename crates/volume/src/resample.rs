@@ -23,6 +23,8 @@ use spline::Taps;
 /// What lies between voxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filter {
+    /// The nearest voxel, a half forward: for labels.
+    Nearest,
     /// Straight lines along each axis: within the range of the neighbours.
     Linear,
     /// The cubic B-spline that goes through the samples, mirrored at the first and the last: smooth, may overshoot at edges.
@@ -33,6 +35,7 @@ pub enum Filter {
 impl fmt::Display for Filter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
+            Filter::Nearest => "nearest",
             Filter::Linear => "linear",
             Filter::Cubic => "cubic",
         })
@@ -44,12 +47,13 @@ impl std::str::FromStr for Filter {
 
     fn from_str(name: &str) -> Result<Self, VolumeError> {
         match name {
+            "nearest" => Ok(Filter::Nearest),
             "linear" => Ok(Filter::Linear),
             "cubic" => Ok(Filter::Cubic),
             _ => Err(VolumeError::Parameter {
                 name: "filter",
                 reason: format!("'{name}' is not known"),
-                remedy: "write linear or cubic",
+                remedy: "write nearest, linear or cubic",
             }),
         }
     }

@@ -121,11 +121,7 @@ impl Layout {
     ) -> Result<Samples, VolumeError> {
         let (frame, volumes) = (options.frame as u64, self.series.count());
         if frame >= volumes {
-            return Err(VolumeError::Parameter {
-                name: "time",
-                reason: format!("volume {frame} of a file of {volumes}"),
-                remedy: "volumes count from 0",
-            });
+            return Err(place.wrong("time", format!("volume {frame} of a file of {volumes}"), "volumes count from 0"));
         }
         let count = sample_count(self.dims, self.kept(), options.limit(), &place.file)?;
         let total = (count as u64).checked_mul(volumes);

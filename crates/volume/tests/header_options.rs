@@ -236,6 +236,14 @@ fn files_that_are_gzipped_as_a_whole() {
     for name in ["a.nrrd.gz", "b.nrrd", "c.mha.gz", "d.nii.gz", "e.data", "f.raw.gz"] {
         assert!(counted(&read(at(name), &options).unwrap()), "{name}");
     }
+    // Padding behind a member is none of it; a second member is.
+    let padded = [gzip(&text(three)), vec![0; 512]].concat();
+    std::fs::write(at("padded.nrrd"), &padded).unwrap();
+    let members = [gzip(&text(three)[..60]), gzip(&text(three)[60..])].concat();
+    std::fs::write(at("members.nrrd"), &members).unwrap();
+    for name in ["padded.nrrd", "members.nrrd"] {
+        assert!(counted(&read(at(name), &options).unwrap()), "{name}");
+    }
     let raw = Some(cube3_volume::RawLayout::new([4, 3, 1], SampleType::I16));
     let error = read(at("f.raw.gz"), &ReadOptions { raw, ..ReadOptions::default() }).unwrap_err().to_string();
     assert!(error.contains("more than the 24 bytes"), "{error}");

@@ -436,3 +436,24 @@ fn any_number_of_threads_gives_the_same_bits() {
     };
     assert_eq!(on(1), on(3));
 }
+
+/// Labels stay labels: each new voxel is an old one, the nearest, on every kind of grid.
+#[test]
+fn the_nearest_filter_makes_no_new_value() {
+    let labels = [0u8, 3, 7, 200];
+    let volume = Volume::from_fn([5, 4, 6], [1.0, 1.0, 2.0], |x, y, z| labels[(x * 7 + y * 3 + z * 5) % 4]).unwrap();
+    let how = |grid| Resampling { grid, filter: Filter::Nearest, ..Resampling::default() };
+    let (cubes, report) = resample(&volume, &how(NewGrid::Cubes)).unwrap();
+    assert_eq!((cubes.dims, report.clipped), ([5, 4, 11], 0));
+    for index in 0..cubes.len() {
+        let [x, y, z] = cubes.position(index);
+        // Half-way is forward.
+        assert_eq!(cubes.value(x, y, z), volume.value(x, y, z.div_ceil(2)), "({x}, {y}, {z})");
+    }
+    let (sin, cos) = 20f64.to_radians().sin_cos();
+    let directions = [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]];
+    let world = World { space: Space::Patient, directions, ..World::default() };
+    let oblique = volume.with_world([0.0; 3], world).unwrap();
+    let straight = resample(&oblique, &Resampling { straight: true, ..how(NewGrid::Cubes) }).unwrap().0;
+    assert!(straight.to_f64().iter().all(|v| labels.iter().any(|&l| f64::from(l) == *v)));
+}

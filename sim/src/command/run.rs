@@ -324,12 +324,12 @@ impl RunArguments {
     fn scene(&self) -> Outcome<Scene> {
         let mut scene = inputs::scene(self.scene.as_deref())?;
         if !self.volume.is_empty() {
-            let VolumeSource { window, axes, labels, .. } = scene.volume;
+            let VolumeSource { window, axes, time, labels, .. } = scene.volume;
             let source = match self.volume.as_slice() {
                 [file] => VolumeSource::from_file(file),
                 files => VolumeSource::from_files(files.to_vec()),
             };
-            scene.volume = VolumeSource { window, axes, labels, ..source };
+            scene.volume = VolumeSource { window, axes, time, labels, ..source };
         }
         scene.volume.time = self.raw.time.or(scene.volume.time);
         if self.phantom.is_some() || self.size.is_some() {

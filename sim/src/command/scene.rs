@@ -72,8 +72,8 @@ impl SceneArguments {
             default(&mut scene);
         }
         if let Some(file) = &self.volume {
-            let VolumeSource { window, axes, labels, .. } = scene.volume;
-            scene.volume = VolumeSource { window, axes, labels, ..VolumeSource::from_file(file) };
+            let VolumeSource { window, axes, time, labels, .. } = scene.volume;
+            scene.volume = VolumeSource { window, axes, time, labels, ..VolumeSource::from_file(file) };
         }
         if self.phantom.is_some() || self.size.is_some() {
             if self.phantom.is_none() && scene.volume.phantom.is_none() {

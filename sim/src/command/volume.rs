@@ -68,7 +68,7 @@ enum VolumeCommand {
         /// Axes along the world's: takes away an oblique turn and a gantry's tilt. Cubes, unless distances or sizes are given.
         #[arg(long)]
         straight: bool,
-        /// What lies between voxels: linear, or cubic (a B-spline through them).
+        /// What lies between voxels: nearest (for labels), linear, or cubic (a B-spline through them).
         #[arg(long, default_value_t)]
         filter: Filter,
         /// Value outside of the data; the least one without it.
@@ -135,7 +135,7 @@ impl VolumeArguments {
                 let mut options = raw.read_options()?;
                 let about = inspect(&from, &options)?;
                 memory::volume(&from.display().to_string(), &Grid::of(&about), bits.is_some()).check()?;
-                one_of_a_series(&about, &from, options.frame)?;
+                one_of_a_series(&about, [&from, &to], options.frame)?;
                 // Where no world is known, an axis of negative spacing is the one thing that is turned: no file keeps that.
                 if !ras && about.world.space != Space::Unknown {
                     options.ordering = Ordering::AsStored;
@@ -165,7 +165,7 @@ impl VolumeArguments {
                 let options = ReadOptions { frame: time.unwrap_or(0), ..ReadOptions::default() };
                 let about = inspect(&from, &options)?;
                 memory::resampling(&from.display().to_string(), &about, &how)?.check()?;
-                one_of_a_series(&about, &from, options.frame)?;
+                one_of_a_series(&about, [&from, &to], options.frame)?;
                 let volume = resampled(&read(&from, &options)?, &how)?;
                 save(&to, &volume, Packing::Compressed)
             }
@@ -181,10 +181,17 @@ impl VolumeArguments {
     }
 }
 
-/// Says which volume of a series it is; the others stay behind.
-fn one_of_a_series(about: &FileInfo, from: &Path, time: usize) -> Outcome<()> {
+/// Says which volume of a series it is; the others stay behind, and are not lost.
+fn one_of_a_series(about: &FileInfo, [from, to]: [&Path; 2], time: usize) -> Outcome<()> {
     if about.volumes == 1 {
         return Ok(());
+    }
+    let same = |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
+    if same(from, to) == Some(true) {
+        let (file, volumes) = (from.display(), about.volumes);
+        return Err(Problem::new(format!(
+            "{file} holds a series of {volumes} volumes, and one of them would take its place; give another file to write"
+        )));
     }
     print(&format!("{}: volume {time} of a series of {}; --time takes another\n", from.display(), about.volumes))
 }

@@ -31,7 +31,7 @@ pub(super) fn info(source: &str, volume: &Volume, about: Option<(&FileInfo, usiz
     }
     text += &format!("  spacing  {sx} × {sy} × {sz}\n  origin   {ox}, {oy}, {oz}\n");
     if let Some(left) = volume.world.left_over().in_words() {
-        text += &format!("  left     {left}; `cube3 volume resample --straight` takes it away\n");
+        text += &format!("  rest     {left}; `cube3 volume resample --straight` takes it away\n");
     }
     for remark in about.iter().flat_map(|(about, _)| &about.remarks) {
         text += &format!("  note     {remark}\n");

@@ -29,6 +29,10 @@ impl Taps {
     /// At a place between voxel `cell` of `size` and the next: `behind` of a step behind it, `before` = 1 − `behind` before the next.
     pub fn new(filter: Filter, size: usize, cell: usize, before: f64, behind: f64) -> Self {
         match filter {
+            Filter::Nearest => {
+                let nearest = if behind >= 0.5 { (cell + 1).min(size - 1) } else { cell };
+                Self { index: [nearest, 0, 0, 0], weight: [1.0, 0.0, 0.0, 0.0] }
+            }
             Filter::Linear => {
                 Self { index: [cell, (cell + 1).min(size - 1), 0, 0], weight: [before, behind, 0.0, 0.0] }
             }

@@ -97,7 +97,7 @@ impl Straight {
         let mut new = reserve::<S>(count, self.dims)?;
         new.resize(count, beyond);
         let counts = match filter {
-            Filter::Linear => self.fill(filter, |index| samples[index].into(), &mut new),
+            Filter::Nearest | Filter::Linear => self.fill(filter, |index| samples[index].into(), &mut new),
             Filter::Cubic => {
                 let coefficients = self.coefficients(samples)?;
                 self.fill(filter, |index| coefficients[index], &mut new)
