@@ -316,52 +316,23 @@ impl Job<'_> {
         let fast = strides.iter().position(|s| s.abs() == 1).unwrap_or(0);
         let [a, b] = [[1, 2], [0, 2], [0, 1]][fast];
         let tile = if fast == 0 { nx } else { TILE };
+        let from_to = |b_at: usize, a_at: usize, fast_at: usize| {
+            let along = [(b, b_at), (a, a_at), (fast, fast_at)];
+            let source: usize = along.iter().map(|&(axis, at)| at * sources[axis]).sum();
+            let to = from + along.iter().map(|&(axis, at)| at as isize * strides[axis]).sum::<isize>();
+            (source, to as usize)
+        };
         for b_at in 0..block.size[b] {
             for a_from in (0..block.size[a]).step_by(TILE) {
                 for fast_from in (0..block.size[fast]).step_by(tile) {
                     let length = tile.min(block.size[fast] - fast_from);
                     for a_at in a_from..block.size[a].min(a_from + TILE) {
-                        let source = b_at * sources[b] + a_at * sources[a] + fast_from * sources[fast];
-                        let to = from
-                            + b_at as isize * strides[b]
-                            + a_at as isize * strides[a]
-                            + fast_from as isize * strides[fast];
-                        // A run that is broken off is searched afterwards: this loop has nothing to decide.
-                        let mut good = true;
-                        let mut put = |number: &T, sample: &mut S| match convert(*number) {
-                            Some(converted) => *sample = converted,
-                            None => good = false,
-                        };
-                        let run = if strides[fast] > 0 {
-                            &mut samples[to as usize..][..length]
-                        } else {
-                            &mut samples[to as usize + 1 - length..][..length]
-                        };
-                        match (sources[fast], strides[fast] > 0) {
-                            (1, true) => {
-                                numbers[source..][..length].iter().zip(run).for_each(|(n, s)| put(n, s));
-                            }
-                            (1, false) => {
-                                numbers[source..][..length]
-                                    .iter()
-                                    .zip(run.iter_mut().rev())
-                                    .for_each(|(n, s)| put(n, s));
-                            }
-                            (step, true) => {
-                                run.iter_mut().enumerate().for_each(|(f, s)| put(&numbers[source + f * step], s));
-                            }
-                            (step, false) => {
-                                run.iter_mut().rev().enumerate().for_each(|(f, s)| put(&numbers[source + f * step], s));
-                            }
-                        }
-                        let stopped = if good {
-                            None
-                        } else {
-                            (0..length).find(|f| convert(numbers[source + f * sources[fast]]).is_none())
-                        };
-                        if let Some(stopped) = stopped {
-                            return Err(bad(source + stopped * sources[fast]));
-                        }
+                        let (source, to) = from_to(b_at, a_at, fast_from);
+                        let forward = strides[fast] > 0;
+                        let to = if forward { to } else { to + 1 - length };
+                        let run = &mut samples[to..][..length];
+                        put_run(&numbers[source..], sources[fast], run, forward, convert)
+                            .map_err(|stopped| bad(source + stopped * sources[fast]))?;
                     }
                 }
             }
@@ -377,4 +348,31 @@ impl Job<'_> {
     fn no_room(&self, bytes: usize) -> VolumeError {
         no_room(&self.place.file, self.layout.dims, self.layout.kept(), bytes as u64)
     }
+}
+
+/// Puts every `step`-th number into a run of samples, from its end where it is not `forward`; the error is the place in the run of the
+/// first that cannot be converted.
+#[inline]
+fn put_run<T: Stored, S: Sample>(
+    numbers: &[T],
+    step: usize,
+    run: &mut [S],
+    forward: bool,
+    convert: &impl Fn(T) -> Option<S>,
+) -> Result<(), usize> {
+    let length = run.len();
+    // The loops have nothing to decide: a run that cannot be converted is searched afterwards.
+    let mut good = true;
+    let mut put = |number: &T, sample: &mut S| match convert(*number) {
+        Some(converted) => *sample = converted,
+        None => good = false,
+    };
+    match (step, forward) {
+        (1, true) => numbers[..length].iter().zip(run).for_each(|(n, s)| put(n, s)),
+        (1, false) => numbers[..length].iter().zip(run.iter_mut().rev()).for_each(|(n, s)| put(n, s)),
+        (_, true) => run.iter_mut().enumerate().for_each(|(i, s)| put(&numbers[i * step], s)),
+        (_, false) => run.iter_mut().rev().enumerate().for_each(|(i, s)| put(&numbers[i * step], s)),
+    }
+    let stopped = if good { None } else { (0..length).find(|i| convert(numbers[i * step]).is_none()) };
+    stopped.map_or(Ok(()), Err)
 }

@@ -212,6 +212,28 @@ fn volumes_of_several_blocks_are_turned_alike() {
     }
 }
 
+/// A number that does not fit is told by its place in the file, wherever its voxel goes.
+#[test]
+fn a_number_that_does_not_fit_is_counted_as_it_is_stored() {
+    for directions in [
+        "(1,0,0) (0,1,0) (0,0,1)",
+        "(-1,0,0) (0,-1,0) (0,0,1)",
+        "(0,0,-1) (1,0,0) (0,-1,0)",
+        "(0,1,0) (0,0,1) (-1,0,0)",
+    ] {
+        for bad in 0..24 {
+            let numbers = (0..24).flat_map(|i| if i == bad { 1i64 << 40 } else { i }.to_le_bytes());
+            let header = format!(
+                "NRRD0004\ntype: int64\ndimension: 3\nspace: RAS\nsizes: 4 3 2\nspace directions: {directions}\n\
+                 endian: little\nencoding: raw\n\n"
+            );
+            let bytes: Vec<u8> = header.bytes().chain(numbers).collect();
+            let error = read_bytes(&bytes, Some(Format::Nrrd), "t", &ReadOptions::default()).unwrap_err().to_string();
+            assert!(error.contains(&format!("1099511627776 at number {bad} ")), "{directions}: {error}");
+        }
+    }
+}
+
 /// A NIfTI-1 whose sform has these columns.
 fn with_columns(columns: [[f64; 3]; 3]) -> Volume {
     let spacing = columns.map(|c| glam::DVec3::from(c).length());
