@@ -53,5 +53,5 @@ pub use statistics::Histogram;
 pub use thickness::thick_dims;
 pub use volume::Volume;
 pub use words::{ConversionReport, NonFiniteRule, VoxelWords, WordConversion, WordRounding};
-pub use world::{AxisOrder, LeftOver, Ordering, Space, World, letter};
+pub use world::{AxisOrder, LeftOver, Ordering, Space, World};
 pub use write::{Packing, check_name, write, write_packed, write_raw};

@@ -108,7 +108,7 @@ impl AxisOrder {
 }
 
 /// Where world axis `axis` leads, forward or backward.
-pub fn letter(space: Space, axis: usize, backward: bool) -> &'static str {
+pub(crate) fn letter(space: Space, axis: usize, backward: bool) -> &'static str {
     match space {
         Space::Patient => [["R", "A", "S"], ["L", "P", "I"]][usize::from(backward)][axis],
         _ => [["+x", "+y", "+z"], ["-x", "-y", "-z"]][usize::from(backward)][axis],

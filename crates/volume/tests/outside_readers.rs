@@ -25,23 +25,12 @@ const DIRECTIONS: [(&str, [[f64; 3]; 3]); 4] = [
     ("leaning", [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.28, 0.96]]),
 ];
 
-const TYPES: [SampleType; 8] = [
-    SampleType::U8,
-    SampleType::I8,
-    SampleType::U16,
-    SampleType::I16,
-    SampleType::U32,
-    SampleType::I32,
-    SampleType::F32,
-    SampleType::F64,
-];
-
 #[test]
 fn other_programs_read_what_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let mut written = Vec::new();
     for (suffix, spaces) in WRITTEN {
-        for (n, sample_type) in TYPES.into_iter().enumerate() {
+        for (n, sample_type) in SampleType::ALL.into_iter().enumerate() {
             for space in spaces {
                 for (name, directions) in &DIRECTIONS[..if *space == Space::Unknown { 1 } else { 4 }] {
                     let volume =
