@@ -85,7 +85,8 @@ pub fn data(source: &VolumeSource, options: &ReadOptions) -> Outcome<Incoming> {
         let options = read_options(source, options);
         let about = cube3_volume::inspect(path, &options)?;
         let data = cube3_volume::read(path, &options)?;
-        let mut notes = about.remarks.clone();
+        let remark = |remark: &String| format!("{}: {remark}", path.display());
+        let mut notes: Vec<String> = about.remarks.iter().map(remark).collect();
         notes.extend(directions::left_over_note(path, &data.world, source.labels));
         let mut name = path.display().to_string();
         if about.volumes > 1 {
