@@ -7,7 +7,9 @@ use cube3::run::Runs;
 use cube3_host::MachineSpec;
 use cube3_scene::{Image, Perspective, Scene, VolumeSource};
 use cube3_vectors::{Format, units};
-use cube3_volume::{Phantom, PhantomParams, Space, Volume, World, write};
+use cube3_volume::{
+    FileInfo, Format as VolumeFormat, NewGrid, Phantom, PhantomParams, Resampling, Space, Volume, World, write,
+};
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -81,6 +83,60 @@ fn runs() -> Vec<(Vec<String>, Need)> {
     runs_of
 }
 
+/// What is known of a file that holds such a grid.
+fn about(grid: &Grid) -> FileInfo {
+    FileInfo {
+        format: VolumeFormat::Nrrd,
+        dims: grid.dims,
+        stored_dims: grid.dims,
+        spacing: [1.0; 3],
+        origin: [0.0; 3],
+        world: World::default(),
+        sample_type: grid.sample_type,
+        volumes: 1,
+        remarks: Vec::new(),
+    }
+}
+
+/// The study of word lengths, the bench, a checkpoint, a frame for the RTL and a recording.
+fn studies_and_states() -> Vec<(Vec<String>, Need)> {
+    let words = |line: &str| line.split(' ').map(String::from).collect::<Vec<String>>();
+    let machine = MachineSpec::default();
+    let side = SIDES[0];
+    let scene_of = |side| Scene { volume: VolumeSource::from_phantom("sphere", side), ..Scene::default() };
+    let (scene, small) = (scene_of(side), scene_of(32));
+    let studied = Scene { image: Image { width_px: 192, height_px: 192, ..small.image.clone() }, ..small.clone() };
+    let grid = |side| Grid::of_phantom("sphere", side).unwrap();
+    let of = |scene, side, runs| Case {
+        scene,
+        machine: &machine,
+        grid: grid(side),
+        runs,
+        reference: runs == Runs::Function,
+        mask: false,
+        threads: 2,
+    };
+    let checkpoint = of(&scene, side, Runs::Cycle);
+    let run = "run --phantom sphere --fidelity cycle --reference none --threads 2 --out out --checkpoint-at 500";
+    let timing = SIDES[1];
+    vec![
+        (words(&format!("{run} --size {side}")), checkpoint.checkpoint(checkpoint.frame(), true, 0)),
+        (words("vectors --frame --phantom sphere --size 32 --out out"), of(&small, 32, Runs::Cycle).rtl_frame()),
+        (
+            words("vectors --unit trilin --from-run --phantom sphere --size 32 --count 2000 --out out"),
+            of(&small, 32, Runs::Cycle).recording(),
+        ),
+        (
+            words("verify --words --phantom sphere --size 32 --wires accumulator --threads 2 --out out"),
+            of(&studied, 32, Runs::Function).words_study(),
+        ),
+        (
+            words(&format!("bench --size {side} --timing-size {timing} --repeats 1 --threads 2")),
+            memory::bench(cube3::bench::COPY_BYTES as u64, side, timing, 2),
+        ),
+    ]
+}
+
 /// What is taken is at most what was told, and at least half of it but for 64 MB.
 #[test]
 fn estimates_are_bounds_and_not_silly() {
@@ -135,6 +191,12 @@ fn estimates_are_bounds_and_not_silly() {
     // Lines stream: more of them take no more.
     let line = "vectors --unit gradient-26 --count 100000 --out out";
     cases.push((words(line), memory::set(of("gradient-26").as_ref(), &Format::default(), false).unwrap()));
+    cases.extend(studies_and_states());
+    let grown = Resampling { grid: NewGrid::Size([side + 40; 3]), ..Resampling::default() };
+    cases.push((
+        words(&format!("volume resample fog.nrrd grown.nrrd --size {0}x{0}x{0}", side + 40)),
+        memory::resampling("fog.nrrd", &about(&fog), &grown).unwrap(),
+    ));
     for (words, need) in cases {
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
         let (taken, told) = (peak(folder.path(), &words), need.bytes());
