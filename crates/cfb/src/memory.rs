@@ -16,4 +16,4 @@ mod timing;
 
 pub use array::{MemoryState, Modules};
 pub use module::{MemoryCounters, Module, Served};
-pub use timing::Timing;
+pub use timing::{Place, Timing};

@@ -16,6 +16,7 @@ mod perspective;
 mod picture;
 mod registers;
 mod sample_bounds;
+mod sections;
 mod setup;
 mod shading;
 mod template;
@@ -39,6 +40,7 @@ pub use registers::{
     Linear, LinearFactor, Normaliser, Phong, PhongLight, RayRegisters, ReflectanceTable, Shading,
 };
 pub use sample_bounds::{BESIDE, RayStretches, SampleBounds};
+pub use sections::Sections;
 pub(crate) use setup::gradient_scale;
 pub use setup::{
     Basis, Frame, HostError, LARGEST_RATIO, LARGEST_SIDE, LeftOut, SPACING_RANGE, VolumeInfo, check_bus, depth_range,

@@ -117,7 +117,7 @@ impl Modules {
         let no_address = self.timing.rows.is_none() && self.timing.burst == 1;
         let alike = terms.len() == lanes && (no_address || terms[0] == terms[lanes - 1]);
         let served = if modules.len() == 1 && alike {
-            let served = modules[0].read(&self.timing, base + terms[0], *now, &mut counted);
+            let served = modules[0].read(&self.timing, self.timing.place(base + terms[0]), *now, &mut counted);
             counted = counted.times(lanes as u64);
             served
         } else {
@@ -128,7 +128,7 @@ impl Modules {
             let mut module = lowest;
             let mut all = Served::AT_ONCE;
             for term in terms {
-                all = all.and(modules[module].read(&self.timing, base + term, *now, &mut counted));
+                all = all.and(modules[module].read(&self.timing, self.timing.place(base + term), *now, &mut counted));
                 module += along;
                 if module >= lanes {
                     module -= lanes;
@@ -208,7 +208,7 @@ mod tests {
                         return true;
                     }
                     let address = modules.placement.address(xyz) as u64;
-                    all = all.and(each[module].read(&modules.timing, address, now, counters));
+                    all = all.and(each[module].read(&modules.timing, modules.timing.place(address), now, counters));
                     false
                 });
                 steps.push(all);

@@ -4,7 +4,7 @@
 //! later words are so opened behind earlier ones, in other banks. A refresh that has fallen due goes before the next word
 //! whose first command would not come before it.
 
-use super::Timing;
+use super::{Place, Timing};
 use cube3_host::{Command, MemoryModel};
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
@@ -193,16 +193,16 @@ impl Module {
 
     /// Reads a word that has been asked for at tick `asked`, behind all words asked for before it.
     #[inline]
-    pub fn read(&mut self, timing: &Timing, address: u64, asked: i64, counters: &mut MemoryCounters) -> Served {
+    pub fn read(&mut self, timing: &Timing, at: Place, asked: i64, counters: &mut MemoryCounters) -> Served {
         counters.words += 1;
-        let number = address >> timing.burst.trailing_zeros();
-        let place = (address & (timing.burst as u64 - 1)) >> timing.words_per_tick.trailing_zeros();
+        let number = at.word >> timing.burst.trailing_zeros();
+        let place = (at.word & (timing.burst as u64 - 1)) >> timing.words_per_tick.trailing_zeros();
         if number == self.output.number {
             let Burst { data, row_until, .. } = self.output;
             return Served { ready: asked.max(data + place as i64), row_until, refresh_until: NEVER };
         }
         counters.reads += 1;
-        let column = self.column(timing, Command::Read, address, asked, counters);
+        let column = self.column(timing, Command::Read, at, asked, counters);
         let data = column.tick + timing.latency;
         let row_until = if column.opened { data } else { NEVER };
         if timing.burst > 1 {
@@ -212,34 +212,32 @@ impl Module {
     }
 
     /// Writes a word that has been brought at tick `asked`, behind all words asked for before it. `ready` is the tick of the write.
-    pub fn write(&mut self, timing: &Timing, address: u64, asked: i64, counters: &mut MemoryCounters) -> Served {
+    pub fn write(&mut self, timing: &Timing, at: Place, asked: i64, counters: &mut MemoryCounters) -> Served {
         counters.writes += 1;
-        if address >> timing.burst.trailing_zeros() == self.output.number {
+        if at.word >> timing.burst.trailing_zeros() == self.output.number {
             self.output.number = u64::MAX;
         }
-        let column = self.column(timing, Command::Write, address, asked, counters);
+        let column = self.column(timing, Command::Write, at, asked, counters);
         let row_until = if column.opened { column.tick } else { NEVER };
         Served { ready: column.tick, row_until, refresh_until: column.refresh_until }
     }
 
-    /// Opens the row of an address where it is not open, and reads or writes.
+    /// Opens the row of a place where it is not open, and reads or writes.
     #[inline(always)]
     fn column(
         &mut self,
         timing: &Timing,
         command: Command,
-        address: u64,
+        Place { bank, row, .. }: Place,
         asked: i64,
         counters: &mut MemoryCounters,
     ) -> Column {
-        let Some(rows) = timing.rows else {
+        if timing.rows.is_none() {
             let tick = self.free(timing, command, 0, asked);
             self.issue(timing, command, 0, tick);
             counters.row_hits += 1;
             return Column { tick, opened: false, refresh_until: NEVER };
-        };
-        let row = address >> rows.words.trailing_zeros();
-        let bank = timing.bank(row);
+        }
         let mut refresh_until = NEVER;
         let (first, tick) = loop {
             let first = match self.rows[bank] {

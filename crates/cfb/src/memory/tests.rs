@@ -145,7 +145,7 @@ fn every_constraint_of_the_table_is_tight_by_itself() {
 fn a_word_comes_the_latency_behind_its_read_and_the_burst_behind_it() {
     let timing = timing(MemoryType::Sdram);
     let (mut module, mut counters) = (Module::new(&timing), MemoryCounters::default());
-    let ready: Vec<i64> = (0..6).map(|a| module.read(&timing, a, 0, &mut counters).ready).collect();
+    let ready: Vec<i64> = (0..6).map(|a| module.read(&timing, timing.place(a), 0, &mut counters).ready).collect();
     // ACT at 0, RD at 3 and 7, CAS latency 3.
     assert_eq!(ready, [6, 7, 8, 9, 10, 11]);
     let commands: Vec<_> = module.log.iter().map(|&(command, _, tick)| (command, tick)).collect();
@@ -157,9 +157,9 @@ fn a_word_comes_the_latency_behind_its_read_and_the_burst_behind_it() {
 fn a_written_word_is_read_again_and_not_taken_from_the_output() {
     let timing = timing(MemoryType::Sdram);
     let (mut module, mut counters) = (Module::new(&timing), MemoryCounters::default());
-    module.read(&timing, 0, 0, &mut counters);
-    assert_eq!(module.write(&timing, 1, 0, &mut counters).ready, 3 + 8);
-    assert_eq!(module.read(&timing, 1, 0, &mut counters).ready, 11 + 4 + 3 + 1);
+    module.read(&timing, timing.place(0), 0, &mut counters);
+    assert_eq!(module.write(&timing, timing.place(1), 0, &mut counters).ready, 3 + 8);
+    assert_eq!(module.read(&timing, timing.place(1), 0, &mut counters).ready, 11 + 4 + 3 + 1);
     assert_eq!((counters.reads, counters.writes, counters.row_hits), (2, 1, 2));
 }
 
@@ -167,9 +167,9 @@ fn a_written_word_is_read_again_and_not_taken_from_the_output() {
 fn a_refresh_that_is_due_goes_before_the_next_word() {
     let timing = timing(MemoryType::Sdram);
     let (mut module, mut counters) = (Module::new(&timing), MemoryCounters::default());
-    module.read(&timing, 0, 0, &mut counters);
-    module.read(&timing, 4, 1038, &mut counters);
-    let late = module.read(&timing, 8, 1039, &mut counters);
+    module.read(&timing, timing.place(0), 0, &mut counters);
+    module.read(&timing, timing.place(4), 1038, &mut counters);
+    let late = module.read(&timing, timing.place(8), 1039, &mut counters);
     // Due at 1039; RD at 1038 keeps the bank open until 1042; PRE, REF 3 ticks later, ACT 9 after that.
     assert_eq!(module.log[3..6], [(Precharge, 0, 1042), (Refresh, 0, 1045), (Activate, 0, 1054)]);
     assert_eq!((late.refresh_until, late.row_until, late.ready), (1054, 1060, 1060));
@@ -180,11 +180,11 @@ fn a_refresh_that_is_due_goes_before_the_next_word() {
 fn refreshes_go_on_while_nothing_is_read() {
     let timing = timing(MemoryType::Sdram);
     let (mut module, mut counters) = (Module::new(&timing), MemoryCounters::default());
-    module.read(&timing, 0, 0, &mut counters);
-    let long = module.read(&timing, 0x100, 1039 * 1000 + 500, &mut counters);
+    module.read(&timing, timing.place(0), 0, &mut counters);
+    let long = module.read(&timing, timing.place(0x100), 1039 * 1000 + 500, &mut counters);
     assert_eq!(counters.refreshes, 1000);
     assert_eq!(long.ready, 1039 * 1000 + 500 + 6, "the last one was over");
-    let inside = module.read(&timing, 0x200, 1039 * 1500 + 4, &mut counters);
+    let inside = module.read(&timing, timing.place(0x200), 1039 * 1500 + 4, &mut counters);
     assert_eq!((counters.refreshes, inside.ready), (1500, 1039 * 1500 + 9 + 6), "the last one still runs");
 }
 
@@ -195,7 +195,7 @@ fn stream(timing: &Timing, addresses: impl Iterator<Item = u64>) -> (i64, Memory
     let mut last = 0;
     for (i, address) in addresses.enumerate() {
         let place = i % timing.look_ahead;
-        let ready = module.read(timing, address, left[place], &mut counters).ready;
+        let ready = module.read(timing, timing.place(address), left[place], &mut counters).ready;
         last = ready.max(last + 1);
         left[place] = last;
     }
@@ -358,9 +358,9 @@ proptest! {
             let pause = if write == 9 { 100 * pause } else if pause < 40 { 0 } else { pause };
             asked = left[i % timing.look_ahead].max(asked + pause);
             let served = if write == 0 {
-                module.write(&timing, address, asked, &mut counters)
+                module.write(&timing, timing.place(address), asked, &mut counters)
             } else {
-                module.read(&timing, address, asked, &mut counters)
+                module.read(&timing, timing.place(address), asked, &mut counters)
             };
             prop_assert!(served.ready >= asked && served.row_until <= served.ready.max(asked));
             previous = previous.max(served.ready);

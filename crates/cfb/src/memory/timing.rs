@@ -23,6 +23,17 @@ pub struct Timing {
     pub(super) rules: [Vec<Rule>; 5],
 }
 
+/// Where a word is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Its number in the module.
+    pub word: u64,
+    /// The bank, 0 where there is but one.
+    pub bank: usize,
+    /// A number that no other row of the bank has.
+    pub row: u64,
+}
+
 /// A constraint: so many ticks behind the mark of an earlier command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Rule {
@@ -114,6 +125,13 @@ impl Timing {
     pub fn bank(&self, row: u64) -> usize {
         let bits = self.banks().trailing_zeros();
         (row ^ (row >> bits) ^ (row >> (2 * bits))) as usize & (self.banks() - 1)
+    }
+
+    /// Where a word is whose bank follows from its number alone.
+    #[inline]
+    pub fn place(&self, word: u64) -> Place {
+        let row = self.rows.map_or(0, |rows| word >> rows.words.trailing_zeros());
+        Place { word, bank: self.bank(row), row }
     }
 
     /// Groups of banks.

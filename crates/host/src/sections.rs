@@ -1,0 +1,82 @@
+//! Sections: ranges of the ray slots of a plane that the machine takes one behind another.
+
+use crate::{Geometry, RaySlots};
+use std::ops::Range;
+
+/// The sections of a frame: the slots of a plane in pieces of one width, the last as wide as is left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sections {
+    slots: usize,
+    width: usize,
+}
+
+impl Sections {
+    /// Sections of `width` slots of a frame; one of all slots where none is given.
+    pub fn new(geometry: &Geometry, width: Option<usize>) -> Sections {
+        let [slots, _] = geometry.slot_counts();
+        Sections { slots, width: width.unwrap_or(slots).clamp(1, slots.max(1)) }
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.slots.div_ceil(self.width)
+    }
+
+    /// The slots of a section.
+    pub fn slots(&self, section: usize) -> Range<usize> {
+        (section * self.width).min(self.slots)..((section + 1) * self.width).min(self.slots)
+    }
+}
+
+impl Geometry {
+    /// The voxels along u that these slots of a parallel frame have at a depth, in the order of the slots: two ranges where they go on from the
+    /// last voxel to the first, else the second is empty. Padded slots beside the volume have none.
+    pub fn columns(&self, slots: Range<usize>, depth: usize) -> [Range<usize>; 2] {
+        let (n, column) = (self.size[0], self.u.columns[depth] as usize);
+        match self.slots {
+            RaySlots::Wrapped => {
+                let (start, count) = ((slots.start + column) % n, slots.len());
+                [start..n.min(start + count), 0..(start + count).saturating_sub(n)]
+            }
+            RaySlots::Padded => {
+                let voxel = |slot: usize| (slot + column).saturating_sub(self.shear_u()).min(n);
+                [voxel(slots.start)..voxel(slots.end), 0..0]
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Axes, TemplateRule, largest_offset, slope_register};
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn the_columns_of_slots_are_those_of_their_rays(
+            size in [1_usize..12, 1_usize..5, 1_usize..12], du in 0.0..=1.0_f64, padded: bool, width in 1_usize..14,
+        ) {
+            let rule = TemplateRule::SampleFloor;
+            let slopes = [du, 0.0].map(slope_register);
+            let slots = if padded { RaySlots::Padded } else { RaySlots::Wrapped };
+            let axes = Axes { axis: [0, 1, 2], reversed: [false; 3] };
+            let geometry = Geometry::new(size, axes, slopes, largest_offset(rule, slopes, 8).min(128), 8, rule, slots);
+            let sections = Sections::new(&geometry, Some(width));
+            let [count, _] = geometry.slot_counts();
+            let all: Vec<usize> = (0..sections.count()).flat_map(|s| sections.slots(s)).collect();
+            prop_assert_eq!(all, (0..count).collect::<Vec<_>>());
+            prop_assert!((0..sections.count()).all(|s| (1..=width).contains(&sections.slots(s).len())));
+            prop_assert_eq!(Sections::new(&geometry, None).slots(0), 0..count);
+            for depth in 0..size[2] {
+                for s in 0..sections.count() {
+                    let slots = sections.slots(s);
+                    let rays = slots.clone().map(|j| geometry.ray_in_slot(0, j, depth).u);
+                    let expected: Vec<usize> = rays.filter_map(|u| geometry.column_at(u, depth)).collect();
+                    let columns: Vec<usize> = geometry.columns(slots, depth).into_iter().flatten().collect();
+                    prop_assert_eq!(columns, expected);
+                }
+            }
+        }
+    }
+}
