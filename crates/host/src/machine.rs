@@ -203,6 +203,9 @@ pub struct Cfb {
     pub memory_clock_hz: Option<f64>,
     /// Where a voxel lies in its module.
     pub layout: Layout,
+    /// Voxel words of the reorder buffer behind modules that read mini-blocks: 8 to 2^36. As many as the view needs where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reorder_words: Option<u64>,
 }
 
 /// Rows of the table of memory modules; the numbers are in [`crate::MemoryModel`].
@@ -232,6 +235,21 @@ pub enum Layout {
     /// Blocks of up to 8 × 8 × 8 words of a module behind one another, so that a walk along any axis stays in a row of the memory
     /// for some words. Along x, a module has a word of every `lanes` voxels.
     Blocks,
+    /// Mini-blocks of 2 × 2 × 2 voxels side by side in one module, which are read whole: mini-block (i, j, k) is in module
+    /// (a·i + b·j + c·k) mod lanes, a without a factor in common with the lanes. Blocks of 2·lanes × 8 × 8 voxels are 128 words of each module.
+    /// After Pfister et al. 1999 and Osborne et al. 1997.
+    MiniBlocks,
+}
+
+impl Layout {
+    /// Every layout, in the order of their numbers in vectors.
+    pub const ALL: [Layout; 3] = [Layout::Rows, Layout::Blocks, Layout::MiniBlocks];
+
+    /// Whether modules can hold a volume in this layout: with mini-blocks each run of `lanes` of them along x has to meet every module.
+    pub fn takes(self, skew: [i64; 3], lanes: usize) -> bool {
+        let lanes = lanes as i64;
+        self != Layout::MiniBlocks || (1..lanes).all(|i| skew[0] * i % lanes != 0)
+    }
 }
 
 /// The 2-D skewed buffers.
@@ -415,7 +433,13 @@ impl Default for Rays {
 
 impl Default for Cfb {
     fn default() -> Self {
-        Cfb { skew: [1, 1, 1], memory: MemoryType::Ideal, memory_clock_hz: None, layout: Layout::Rows }
+        Cfb {
+            skew: [1, 1, 1],
+            memory: MemoryType::Ideal,
+            memory_clock_hz: None,
+            layout: Layout::Rows,
+            reorder_words: None,
+        }
     }
 }
 
@@ -599,6 +623,25 @@ impl MachineSpec {
             format!("{skew:?}"),
             "outside −4096 to 4096",
         )?;
+        check(
+            self.cfb.layout.takes(skew, self.lanes),
+            "cfb.skew",
+            format!("{skew:?}"),
+            "not for cfb.layout = \"mini-blocks\": its first coefficient shares a factor with the lanes; choose another skew or layout",
+        )?;
+        let reorder = self.cfb.reorder_words;
+        check(
+            reorder.is_none_or(|words| (8..=1 << 36).contains(&words)),
+            "cfb.reorder_words",
+            reorder.unwrap_or_default().to_string(),
+            "outside 8 to 2^36",
+        )?;
+        check(
+            reorder.is_none() || self.cfb.layout == Layout::MiniBlocks,
+            "cfb.reorder_words",
+            reorder.unwrap_or_default().to_string(),
+            "only for cfb.layout = \"mini-blocks\": other layouts are read in the order of the beams; leave it out",
+        )?;
         check((1..=64).contains(&self.dsb.planes), "dsb.planes", self.dsb.planes.to_string(), "outside 1 to 64")?;
         let power_top = 11.min(self.words.normal_bits - 1);
         let power = self.abc.power_bits;
@@ -731,6 +774,19 @@ mod tests {
             "m.toml: abc.root_bits = 8 is outside 4 to 10, or above 2·(words.normal_bits − 1)"
         );
         assert_eq!(error("[words]\nvoxel_bits = 40"), "m.toml: words.voxel_bits = 40 is outside 1 to 16");
+        let mini = "lanes = 6\n[cfb]\nlayout = \"mini-blocks\"\n";
+        assert!(MachineSpec::from_toml(&format!("{mini}skew = [-5, 3, 2]\nreorder_words = 8"), "m.toml").is_ok());
+        assert_eq!(
+            error(&format!("{mini}skew = [3, 1, 1]")),
+            "m.toml: cfb.skew = [3, 1, 1] is not for cfb.layout = \"mini-blocks\": its first coefficient shares a factor with the lanes; \
+             choose another skew or layout"
+        );
+        assert_eq!(error(&format!("{mini}reorder_words = 7")), "m.toml: cfb.reorder_words = 7 is outside 8 to 2^36");
+        assert_eq!(
+            error("[cfb]\nreorder_words = 4096"),
+            "m.toml: cfb.reorder_words = 4096 is only for cfb.layout = \"mini-blocks\": other layouts are read in the order of the beams; \
+             leave it out"
+        );
         assert!(error("[abc]\ngradient = \"7\"").starts_with("m.toml:2: "));
     }
 }

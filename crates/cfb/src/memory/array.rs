@@ -226,7 +226,7 @@ mod tests {
         ) {
             prop_assume!(direction.iter().any(|x| x.abs() > 0.01));
             let layout = if blocks { Layout::Blocks } else { Layout::Rows };
-            let cfb = Cfb { skew, memory: kind, memory_clock_hz: Some(20e6), layout };
+            let cfb = Cfb { skew, memory: kind, memory_clock_hz: Some(20e6), layout, ..Cfb::default() };
             let machine = MachineSpec { lanes, cfb, rays: Rays { slots: RaySlots::Wrapped, ..Rays::default() }, ..MachineSpec::default() };
             let scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
             let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };
@@ -257,7 +257,7 @@ mod tests {
             kind in proptest::sample::select(MemoryModel::TABLE.map(|model| model.kind).to_vec()),
         ) {
             let layout = if blocks { Layout::Blocks } else { Layout::Rows };
-            let cfb = Cfb { skew, memory: kind, memory_clock_hz: Some(20e6), layout };
+            let cfb = Cfb { skew, memory: kind, memory_clock_hz: Some(20e6), layout, ..Cfb::default() };
             let machine = MachineSpec { lanes, cfb, ..MachineSpec::default() };
             let perspective = Perspective { eye_voxel: Some(eye), ..Perspective::new(150.0) };
             let view = View { perspective: Some(perspective), ..View::from_direction([0.0, 0.0, 1.0], None) };
