@@ -5,7 +5,7 @@ use crate::problem::Outcome;
 use cube3_cfb::PortSpec;
 use cube3_host::{
     Acquisition, AcquisitionMode, Boards, Bus, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, FrameSetup, Frames,
-    HostLink, MachineSpec, MemoryType,
+    HostLink, MachineSpec,
 };
 use cube3_report::{LimitWithout, LimitsReport};
 
@@ -22,7 +22,7 @@ const RESOURCES: [Resource; 9] = [
         name: "memory",
         replaced_by: "modules that give a word in every cycle, without conflicts",
         remove: |m| MachineSpec {
-            cfb: Cfb { memory: MemoryType::Ideal, memory_clock_hz: None, skew: [1, 1, 1], ..m.cfb },
+            cfb: Cfb { layout: m.cfb.layout, ..Cfb::default() },
             ..m.clone()
         },
     },

@@ -8,12 +8,16 @@
 //! [`MemoryModel`](cube3_host::MemoryModel) is the table of constraints, [`Timing`] the table at a clock, [`Module`] the controller of one module,
 //! [`Modules`] all of them under the scan of the frame buffer.
 
+mod activates;
 mod array;
+mod bus;
+mod counters;
 mod module;
 #[cfg(test)]
 mod tests;
 mod timing;
 
 pub use array::{MemoryState, Modules};
-pub use module::{MemoryCounters, Module, Served};
+pub use counters::MemoryCounters;
+pub use module::{Module, Served};
 pub use timing::{Place, Timing};

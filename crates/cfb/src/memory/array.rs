@@ -4,7 +4,7 @@ use super::{MemoryCounters, Module, Served, Timing};
 use crate::golden::{Placement, Skew, gcd};
 use crate::unit::{CfbSpec, Scan, row};
 use cube3_channel::{Activity, ClockDomain, Reason};
-use cube3_host::{FrameSetup, Geometry, MachineSpec, MemoryModel, MemoryType};
+use cube3_host::{FrameSetup, Geometry, MachineSpec, MemoryType};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
@@ -41,16 +41,14 @@ pub struct MemoryState {
 impl Modules {
     /// The modules of a machine for a volume; none where they give any word in any cycle.
     pub fn new(machine: &MachineSpec, dims: [usize; 3]) -> Option<Modules> {
-        let model = MemoryModel::of(machine.cfb.memory);
-        let clock_hz = machine.memory_clock_hz();
-        let clock = ClockDomain::from_hertz(clock_hz, machine.clock_hz);
+        let clock = ClockDomain::from_hertz(machine.memory_clock_hz(), machine.clock_hz);
         if machine.cfb.memory == MemoryType::Ideal && clock.ratio() == (1, 1) {
             return None;
         }
         let skew = Skew { coefficients: machine.cfb.skew, lanes: machine.lanes };
         let placement = Placement { skew, layout: machine.cfb.layout, dims };
         let terms = [0, 1, 2].map(|axis| (0..dims[axis]).map(|i| placement.term(axis, i) as u64).collect());
-        Some(Modules { timing: Timing::new(model, clock_hz), clock, placement, terms })
+        Some(Modules { timing: Timing::of(machine), clock, placement, terms })
     }
 
     /// The modules at the start of the first of some frames.
@@ -182,7 +180,7 @@ impl MemoryState {
 mod tests {
     use super::*;
     use bitvec::prelude::*;
-    use cube3_host::{Cfb, Layout, RaySlots, Rays, VolumeInfo, frame_setup, picture_setup};
+    use cube3_host::{Cfb, Layout, MemoryModel, RaySlots, Rays, VolumeInfo, frame_setup, picture_setup};
     use cube3_scene::{Perspective, Scene, View};
     use proptest::prelude::*;
 
@@ -226,7 +224,7 @@ mod tests {
         ) {
             prop_assume!(direction.iter().any(|x| x.abs() > 0.01));
             let layout = if blocks { Layout::Blocks } else { Layout::Rows };
-            let cfb = Cfb { skew, memory: kind, memory_clock_hz: Some(20e6), layout };
+            let cfb = Cfb { skew, memory: kind, memory_clock_hz: Some(20e6), layout, ..Cfb::default() };
             let machine = MachineSpec { lanes, cfb, rays: Rays { slots: RaySlots::Wrapped, ..Rays::default() }, ..MachineSpec::default() };
             let scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
             let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };
@@ -257,7 +255,7 @@ mod tests {
             kind in proptest::sample::select(MemoryModel::TABLE.map(|model| model.kind).to_vec()),
         ) {
             let layout = if blocks { Layout::Blocks } else { Layout::Rows };
-            let cfb = Cfb { skew, memory: kind, memory_clock_hz: Some(20e6), layout };
+            let cfb = Cfb { skew, memory: kind, memory_clock_hz: Some(20e6), layout, ..Cfb::default() };
             let machine = MachineSpec { lanes, cfb, ..MachineSpec::default() };
             let perspective = Perspective { eye_voxel: Some(eye), ..Perspective::new(150.0) };
             let view = View { perspective: Some(perspective), ..View::from_direction([0.0, 0.0, 1.0], None) };
