@@ -14,6 +14,8 @@ mod bus;
 mod counters;
 mod module;
 #[cfg(test)]
+mod outside;
+#[cfg(test)]
 mod tests;
 mod timing;
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Ticks of which a bit says whether they are taken, in words of 64.
-const WORDS: i64 = 4;
+const WORDS: i64 = 2;
 
 /// Which ticks of a command bus are taken, from some tick on.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

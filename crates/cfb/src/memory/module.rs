@@ -16,46 +16,46 @@ const NEVER: i64 = i64::MIN / 2;
 /// A bank without an open row.
 pub(super) const CLOSED: u64 = u64::MAX;
 
-/// A memory module.
+/// A memory module. What every word touches lies in two cache lines and its bank.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C, align(64))]
 pub struct Module {
-    banks: [Bank; MemoryModel::MOST_BANKS],
-    /// The first ticks of a read and of a write, as far as those before them count, in the module and in each group.
+    /// The first ticks of a read and of a write, as far as those before them count.
     columns: [i64; 2],
-    group_columns: [[i64; 2]; MemoryModel::MOST_GROUPS],
+    /// The burst at the module's output.
+    output: Burst,
     /// The first tick of an activate behind the last refresh.
     refreshed: i64,
     /// The first tick of a refresh.
     refresh: i64,
     refresh_due: i64,
-    /// No word to come is asked for before.
-    asked: i64,
-    activates: Activates,
     /// The bus of the rows, or the one bus that there is.
     bus: Bus,
-    /// The burst at the module's output.
-    output: Burst,
+    activates: Activates,
+    banks: [Bank; MemoryModel::MOST_BANKS],
+    /// The first ticks of a read and of a write, as far as those in the same group count.
+    group_columns: [[i64; 2]; MemoryModel::MOST_GROUPS],
     #[cfg(test)]
     #[serde(skip)]
     pub(super) log: Vec<(Command, usize, i64)>,
 }
 
-/// A bank: its open row, and the first ticks that its own commands leave to the next of each kind.
+/// A bank: its open row, the tick of its last activate, and the first ticks that its own commands leave to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(align(32))]
 struct Bank {
     row: u64,
+    activated: i64,
     activate: i64,
-    columns: [i64; 2],
     precharge: i64,
 }
 
 impl Bank {
-    const NEW: Bank = Bank { row: CLOSED, activate: NEVER, columns: [NEVER; 2], precharge: NEVER };
+    const NEW: Bank = Bank { row: CLOSED, activated: NEVER, activate: NEVER, precharge: NEVER };
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Burst {
-    number: u64,
     /// The word that it starts at.
     start: u64,
     data: i64,
@@ -100,24 +100,24 @@ impl Module {
             refreshed: NEVER,
             refresh: NEVER,
             refresh_due: timing.refresh_interval.unwrap_or(i64::MAX),
-            asked: 0,
             activates: Activates::new(NEVER),
             bus: Bus::default(),
-            output: Burst { number: u64::MAX, start: 0, data: NEVER, row_until: NEVER },
+            output: Burst { start: u64::MAX, data: NEVER, row_until: NEVER },
             #[cfg(test)]
             log: Vec::new(),
         }
     }
 
     /// Whether the constraints and the command bus allow a command to a bank at a tick.
-    pub fn ready(&self, timing: &Timing, command: Command, bank: usize, tick: i64) -> bool {
+    #[cfg(test)]
+    pub(super) fn ready(&self, timing: &Timing, command: Command, bank: usize, tick: i64) -> bool {
         self.free(timing, command, bank, tick) == tick
     }
 
     /// The first tick, not before `tick`, at which the constraints and the command bus allow a command to a bank.
     #[inline(always)]
     pub(super) fn free(&self, timing: &Timing, command: Command, bank: usize, tick: i64) -> i64 {
-        let Bank { activate, precharge, columns, .. } = self.banks[bank];
+        let Bank { activated, activate, precharge, .. } = self.banks[bank];
         match command {
             Command::Activate => {
                 let tick = tick.max(activate).max(self.refreshed);
@@ -127,7 +127,8 @@ impl Module {
             Command::Refresh => self.bus.free(tick.max(self.refresh)),
             Command::Read | Command::Write => {
                 let column = column(command);
-                let mut tick = tick.max(columns[column]).max(self.columns[column]);
+                let opened = activated + timing.delays.activate[command as usize];
+                let mut tick = tick.max(opened).max(self.columns[column]);
                 if timing.groups() > 1 {
                     tick = tick.max(self.group_columns[timing.group(bank)][column]);
                 }
@@ -136,19 +137,18 @@ impl Module {
         }
     }
 
-    /// Issues a command to a bank.
+    /// Issues a command to a bank. No command to come is issued before `asked`.
     #[inline(always)]
-    pub fn issue(&mut self, timing: &Timing, command: Command, bank: usize, tick: i64) {
+    pub(super) fn issue(&mut self, timing: &Timing, command: Command, bank: usize, tick: i64, asked: i64) {
         let delays = &timing.delays;
         let to = &mut self.banks[bank];
         match command {
             Command::Activate => {
-                let [activate, read, write, precharge] = delays.activate.map(|ticks| tick + ticks);
-                to.activate = to.activate.max(activate);
-                to.columns = [read, write];
-                to.precharge = to.precharge.max(precharge);
+                to.activated = tick;
+                to.activate = to.activate.max(tick + delays.activate[Command::Activate as usize]);
+                to.precharge = to.precharge.max(tick + delays.activate[Command::Precharge as usize]);
                 self.refresh = self.refresh.max(tick + delays.to_refresh[0]);
-                self.activates.book(timing, timing.group(bank), tick, self.asked);
+                self.activates.book(timing, timing.group(bank), tick, asked);
             }
             Command::Precharge => {
                 to.activate = to.activate.max(tick + delays.open);
@@ -183,12 +183,9 @@ impl Module {
     #[inline]
     pub fn read(&mut self, timing: &Timing, at: Place, asked: i64, counters: &mut MemoryCounters) -> Served {
         counters.words += 1;
-        let number = at.word >> timing.burst.trailing_zeros();
-        let word = at.word & (timing.burst as u64 - 1);
-        let behind = |start| (timing.turn(word, start) >> timing.words_per_tick.trailing_zeros()) as i64;
-        if number == self.output.number {
-            let Burst { data, start, row_until, .. } = self.output;
-            let ready = asked.max(data + behind(start));
+        if self.holds(timing, at) {
+            let Burst { start, data, row_until } = self.output;
+            let ready = asked.max(data + timing.behind(at.word, start));
             return Served { ready, issued: NEVER, row_until, refresh_until: NEVER };
         }
         counters.reads += 1;
@@ -196,17 +193,23 @@ impl Module {
         let data = column.tick + timing.latency;
         let row_until = if column.opened { data } else { NEVER };
         if timing.burst > 1 {
-            self.output = Burst { number, start: word, data, row_until };
+            self.output = Burst { start: at.word, data, row_until };
         }
         let Column { tick: issued, refresh_until, .. } = column;
-        Served { ready: data + behind(word), issued, row_until, refresh_until }
+        Served { ready: data + timing.behind(at.word, at.word), issued, row_until, refresh_until }
+    }
+
+    /// Whether the burst of a word is at the output.
+    #[inline(always)]
+    fn holds(&self, timing: &Timing, at: Place) -> bool {
+        (at.word ^ self.output.start) < timing.burst as u64 && timing.burst > 1
     }
 
     /// Writes a word that has been brought at tick `asked`, behind all words asked for before it. `ready` is the tick of the write.
     pub fn write(&mut self, timing: &Timing, at: Place, asked: i64, counters: &mut MemoryCounters) -> Served {
         counters.writes += 1;
-        if at.word >> timing.burst.trailing_zeros() == self.output.number {
-            self.output.number = u64::MAX;
+        if self.holds(timing, at) {
+            self.output.start = u64::MAX;
         }
         let Column { tick, opened, refresh_until } = self.column(timing, Command::Write, at, asked, counters);
         let row_until = if opened { tick } else { NEVER };
@@ -223,10 +226,9 @@ impl Module {
         asked: i64,
         counters: &mut MemoryCounters,
     ) -> Column {
-        self.asked = asked;
         if timing.rows.is_none() {
             let tick = self.free(timing, command, 0, asked);
-            self.issue(timing, command, 0, tick);
+            self.issue(timing, command, 0, tick, asked);
             counters.row_hits += 1;
             return Column { tick, opened: false, refresh_until: NEVER };
         }
@@ -245,7 +247,7 @@ impl Module {
             self.refresh(timing, asked, counters);
             refresh_until = self.refreshed;
         };
-        self.issue(timing, first, bank, tick);
+        self.issue(timing, first, bank, tick, asked);
         if first == command {
             counters.row_hits += 1;
             return Column { tick, opened: false, refresh_until };
@@ -253,19 +255,19 @@ impl Module {
         if first == Command::Precharge {
             counters.row_conflicts += 1;
             let tick = self.free(timing, Command::Activate, bank, asked);
-            self.issue(timing, Command::Activate, bank, tick);
+            self.issue(timing, Command::Activate, bank, tick, asked);
         } else {
             counters.row_misses += 1;
         }
         self.banks[bank].row = row;
         let tick = self.free(timing, command, bank, asked);
-        self.issue(timing, command, bank, tick);
+        self.issue(timing, command, bank, tick, asked);
         Column { tick, opened: true, refresh_until }
     }
 
-    /// Closes every bank and refreshes, as often as has fallen due at `tick`, but at least once.
+    /// Closes every bank and refreshes, as often as has fallen due at tick `asked`, but at least once.
     #[cold]
-    fn refresh(&mut self, timing: &Timing, tick: i64, counters: &mut MemoryCounters) {
+    fn refresh(&mut self, timing: &Timing, asked: i64, counters: &mut MemoryCounters) {
         let Some(interval) = timing.refresh_interval else {
             return;
         };
@@ -274,19 +276,19 @@ impl Module {
             // One command closes all, when the last of them may be closed.
             let due = open().map(|bank| self.banks[bank].precharge).max();
             let close = self.free(timing, Command::Precharge, first, due.unwrap_or(NEVER).max(self.refresh_due));
-            self.issue(timing, Command::Precharge, first, close);
+            self.issue(timing, Command::Precharge, first, close, asked);
             self.banks.iter_mut().for_each(|bank| bank.row = CLOSED);
         }
         let refresh = self.free(timing, Command::Refresh, 0, self.refresh_due);
-        self.issue(timing, Command::Refresh, 0, refresh);
+        self.issue(timing, Command::Refresh, 0, refresh, asked);
         counters.refreshes += 1;
         self.refresh_due += interval;
         // While nothing was asked for, each came when it was due; only the last can hold anything up.
-        let idle = (tick - self.refresh_due).div_euclid(interval);
+        let idle = (asked - self.refresh_due).div_euclid(interval);
         if idle > 0 {
             counters.refreshes += idle as u64;
             self.refresh_due += idle * interval;
-            self.issue(timing, Command::Refresh, 0, self.refresh_due - interval);
+            self.issue(timing, Command::Refresh, 0, self.refresh_due - interval, asked);
         }
     }
 }

@@ -148,14 +148,15 @@ impl Timing {
         Place { word, bank: self.bank(row), row }
     }
 
-    /// In which place of its burst a word comes, where the burst starts at `start`; both modulo the burst.
-    #[inline]
-    pub(super) fn turn(&self, word: u64, start: u64) -> u64 {
-        match self.burst_order {
+    /// Ticks from the first word of a burst to another, where the burst starts at `start`.
+    #[inline(always)]
+    pub(super) fn behind(&self, word: u64, start: u64) -> i64 {
+        let place = match self.burst_order {
             None => word,
             Some(BurstOrder::Interleaved) => word ^ start,
-            Some(BurstOrder::Sequential) => word.wrapping_sub(start) & (self.burst as u64 - 1),
-        }
+            Some(BurstOrder::Sequential) => word.wrapping_sub(start),
+        };
+        ((place & (self.burst as u64 - 1)) >> self.words_per_tick.trailing_zeros()) as i64
     }
 
     /// Groups of banks.
