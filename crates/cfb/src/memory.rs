@@ -11,8 +11,11 @@
 mod activates;
 mod array;
 mod bus;
+mod chooser;
 mod counters;
 mod module;
+#[cfg(test)]
+mod oracle;
 #[cfg(test)]
 mod outside;
 #[cfg(test)]
@@ -20,6 +23,7 @@ mod tests;
 mod timing;
 
 pub use array::{MemoryState, Modules};
+use chooser::Chooser;
 pub use counters::MemoryCounters;
 pub use module::{Module, Served};
 pub use timing::{Place, Timing};

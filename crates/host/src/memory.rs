@@ -2,7 +2,7 @@
 //!
 //! A module is a row of data. The controller in `cube3_cfb` knows commands and constraints, and no module by name.
 
-use crate::{BurstOrder, Cfb, MemoryType};
+use crate::{BurstOrder, Cfb, LookAheadFreed, LookAheadUnit, MemoryType};
 
 /// What a module is told to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -348,6 +348,20 @@ impl MemoryModel {
             look_ahead: cfb.look_ahead.unwrap_or(model.look_ahead),
             ..model
         }
+    }
+
+    /// Words of a module that can have been asked for and not been taken.
+    pub fn words_held(cfb: &Cfb) -> usize {
+        let model = MemoryModel::of_machine(cfb);
+        let of_unit = match cfb.look_ahead_unit {
+            LookAheadUnit::Words => 1,
+            LookAheadUnit::Bursts => model.burst,
+        };
+        let behind = match cfb.look_ahead_freed {
+            LookAheadFreed::Word => 1,
+            LookAheadFreed::Column => 2,
+        };
+        model.look_ahead * of_unit * behind
     }
 
     /// Ticks in which the words of a burst leave.

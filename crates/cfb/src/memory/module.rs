@@ -12,7 +12,7 @@ use cube3_host::{Command, MemoryModel};
 use serde::{Deserialize, Serialize};
 
 /// Before every tick; far enough from the end of the type that a time can be added.
-const NEVER: i64 = i64::MIN / 2;
+pub(super) const NEVER: i64 = i64::MIN / 2;
 /// A bank without an open row.
 pub(super) const CLOSED: u64 = u64::MAX;
 
@@ -25,12 +25,12 @@ pub struct Module {
     /// The burst at the module's output.
     output: Burst,
     /// The first tick of an activate behind the last refresh.
-    refreshed: i64,
+    pub(super) refreshed: i64,
     /// The first tick of a refresh.
     refresh: i64,
-    refresh_due: i64,
+    pub(super) refresh_due: i64,
     /// The bus of the rows, or the one bus that there is.
-    bus: Bus,
+    pub(super) bus: Bus,
     activates: Activates,
     banks: [Bank; MemoryModel::MOST_BANKS],
     /// The first ticks of a read and of a write, as far as those in the same group count.
@@ -183,20 +183,42 @@ impl Module {
     #[inline]
     pub fn read(&mut self, timing: &Timing, at: Place, asked: i64, counters: &mut MemoryCounters) -> Served {
         counters.words += 1;
-        if self.holds(timing, at) {
-            let Burst { start, data, row_until } = self.output;
-            let ready = asked.max(data + timing.behind(at.word, start));
-            return Served { ready, issued: NEVER, row_until, refresh_until: NEVER };
+        if let Some(served) = self.from_output(timing, at, asked) {
+            return served;
         }
         counters.reads += 1;
         let column = self.column(timing, Command::Read, at, asked, counters);
+        self.read_out(timing, at, &column)
+    }
+
+    /// A word of the burst at the output.
+    #[inline(always)]
+    pub(super) fn from_output(&self, timing: &Timing, at: Place, asked: i64) -> Option<Served> {
+        let Burst { start, data, row_until } = self.output;
+        let ready = asked.max(data + timing.behind(at.word, start));
+        self.holds(timing, at).then_some(Served { ready, issued: NEVER, row_until, refresh_until: NEVER })
+    }
+
+    /// The burst of a read goes to the output.
+    #[inline(always)]
+    pub(super) fn read_out(&mut self, timing: &Timing, at: Place, column: &Column) -> Served {
         let data = column.tick + timing.latency;
         let row_until = if column.opened { data } else { NEVER };
         if timing.burst > 1 {
             self.output = Burst { start: at.word, data, row_until };
         }
-        let Column { tick: issued, refresh_until, .. } = column;
-        Served { ready: data + timing.behind(at.word, at.word), issued, row_until, refresh_until }
+        let ready = data + timing.behind(at.word, at.word);
+        Served { ready, issued: column.tick, row_until, refresh_until: column.refresh_until }
+    }
+
+    /// The open row of a bank, or [`CLOSED`].
+    pub(super) fn open_row(&self, bank: usize) -> u64 {
+        self.banks[bank].row
+    }
+
+    /// Which row of a bank is open from now on, or [`CLOSED`].
+    pub(super) fn set_row(&mut self, bank: usize, row: u64) {
+        self.banks[bank].row = row;
     }
 
     /// Whether the burst of a word is at the output.
@@ -267,7 +289,7 @@ impl Module {
 
     /// Closes every bank and refreshes, as often as has fallen due at tick `asked`, but at least once.
     #[cold]
-    fn refresh(&mut self, timing: &Timing, asked: i64, counters: &mut MemoryCounters) {
+    pub(super) fn refresh(&mut self, timing: &Timing, asked: i64, counters: &mut MemoryCounters) {
         let Some(interval) = timing.refresh_interval else {
             return;
         };
@@ -277,7 +299,10 @@ impl Module {
             let due = open().map(|bank| self.banks[bank].precharge).max();
             let close = self.free(timing, Command::Precharge, first, due.unwrap_or(NEVER).max(self.refresh_due));
             self.issue(timing, Command::Precharge, first, close, asked);
-            self.banks.iter_mut().for_each(|bank| bank.row = CLOSED);
+            for bank in &mut self.banks {
+                bank.row = CLOSED;
+                bank.activate = bank.activate.max(close + timing.delays.open);
+            }
         }
         let refresh = self.free(timing, Command::Refresh, 0, self.refresh_due);
         self.issue(timing, Command::Refresh, 0, refresh, asked);
@@ -300,8 +325,8 @@ fn column(command: Command) -> usize {
 }
 
 /// When a read or write was issued.
-struct Column {
-    tick: i64,
-    opened: bool,
-    refresh_until: i64,
+pub(super) struct Column {
+    pub tick: i64,
+    pub opened: bool,
+    pub refresh_until: i64,
 }

@@ -308,7 +308,7 @@ fn a_row_of_sdram_for_every_random_word_takes_its_expected_time() {
 }
 
 /// All of the table against all commands of a run, and one command of a bus in a tick.
-fn check_log(
+pub(super) fn check_log(
     model: &MemoryModel,
     timing: &Timing,
     clock: f64,
