@@ -5,7 +5,7 @@ use crate::problem::Outcome;
 use cube3_cfb::PortSpec;
 use cube3_host::{
     Acquisition, AcquisitionMode, Boards, Bus, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, FrameSetup, Frames,
-    HostLink, Layout, MachineSpec, MemoryType,
+    HostLink, Layout, MachineSpec,
 };
 use cube3_report::{LimitWithout, LimitsReport};
 
@@ -24,9 +24,7 @@ const RESOURCES: [Resource; 9] = [
         remove: |m| {
             // Words of mini-blocks come behind one another from every memory; rows of an ideal one wait for nothing.
             let layout = if m.cfb.layout == Layout::MiniBlocks { Layout::Rows } else { m.cfb.layout };
-            let skew = [1, 1, 1];
-            let cfb = Cfb { memory: MemoryType::Ideal, memory_clock_hz: None, skew, layout, reorder_words: None };
-            MachineSpec { cfb, ..m.clone() }
+            MachineSpec { cfb: Cfb { layout, ..Cfb::default() }, ..m.clone() }
         },
     },
     Resource {

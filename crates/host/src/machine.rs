@@ -1,6 +1,8 @@
 //! The machine as data: everything that an architect may change, with a unit and a source.
 
-use crate::{ConeOrder, MemoryModel, RaySlots, TemplateRule};
+use crate::{
+    BankHash, BurstOrder, ConeOrder, ControllerKind, LookAheadFreed, LookAheadUnit, MemoryModel, RaySlots, TemplateRule,
+};
 use cube3_word::Words;
 use serde::{Deserialize, Serialize};
 
@@ -203,6 +205,27 @@ pub struct Cfb {
     pub memory_clock_hz: Option<f64>,
     /// Where a voxel lies in its module.
     pub layout: Layout,
+    /// In which bank a row of a module lies.
+    pub bank_hash: BankHash,
+    /// Words that a read brings: a length that the memory has, and that of the table where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub burst_words: Option<usize>,
+    /// The order of a burst that starts at the word asked for; for memories that have a choice, and that of the table where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub burst_order: Option<BurstOrder>,
+    /// Words or bursts of a module that are asked for ahead, the one that the scan waits for included: 1 to 64; as many as in the table
+    /// where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub look_ahead: Option<usize>,
+    /// What the look-ahead counts.
+    pub look_ahead_unit: LookAheadUnit,
+    /// When a place of the look-ahead is free again.
+    pub look_ahead_freed: LookAheadFreed,
+    /// In which order a module serves the words that it is asked for.
+    pub controller: ControllerKind,
+    /// Words among which a controller that reorders chooses: 1 to the look-ahead, and the look-ahead where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window: Option<usize>,
     /// Voxel words of the reorder buffer behind modules that read mini-blocks: 8 to 2^36. As many as the view needs where it is not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reorder_words: Option<u64>,
@@ -438,6 +461,14 @@ impl Default for Cfb {
             memory: MemoryType::Ideal,
             memory_clock_hz: None,
             layout: Layout::Rows,
+            bank_hash: BankHash::default(),
+            burst_words: None,
+            burst_order: None,
+            look_ahead: None,
+            look_ahead_unit: LookAheadUnit::default(),
+            look_ahead_freed: LookAheadFreed::default(),
+            controller: ControllerKind::default(),
+            window: None,
             reorder_words: None,
         }
     }
@@ -629,6 +660,12 @@ impl MachineSpec {
             format!("{skew:?}"),
             "not for cfb.layout = \"mini-blocks\": its first coefficient shares a factor with the lanes; choose another skew or layout",
         )?;
+        check(
+            self.cfb.layout != Layout::MiniBlocks || self.cfb.controller == ControllerKind::InOrder,
+            "cfb.controller",
+            "\"fr-fcfs\"".into(),
+            "not for cfb.layout = \"mini-blocks\": their rows are read in order; leave it \"in-order\", or choose another layout",
+        )?;
         let reorder = self.cfb.reorder_words;
         check(
             reorder.is_none_or(|words| (8..=1 << 36).contains(&words)),
@@ -704,7 +741,22 @@ impl MachineSpec {
             check(good, key, value.unwrap_or_default().to_string(), "outside 0.001 to 10^9 in a cycle")
         };
         clock("cfb.memory_clock_hz", self.cfb.memory_clock_hz)?;
-        let (model, memory_clock) = (MemoryModel::of(self.cfb.memory), self.memory_clock_hz());
+        let kind = MemoryModel::of(self.cfb.memory);
+        count("cfb.look_ahead", self.cfb.look_ahead, MemoryModel::MOST_AHEAD, "outside 1 to 64")?;
+        check(
+            self.cfb.burst_words.is_none_or(|words| kind.burst_lengths.contains(&words)),
+            "cfb.burst_words",
+            self.cfb.burst_words.unwrap_or_default().to_string(),
+            "not a burst of cfb.memory: sdram has bursts of 1, 2, 4 and 8 words, hbm of 16, the others of 1",
+        )?;
+        check(
+            self.cfb.burst_order.is_none() || kind.burst_order.is_some(),
+            "cfb.burst_order",
+            format!("{:?}", self.cfb.burst_order.map_or("", BurstOrder::name)),
+            "no choice of cfb.memory: only bursts of sdram start at the word asked for; leave it out",
+        )?;
+        let (model, memory_clock) = (MemoryModel::of_machine(&self.cfb), self.memory_clock_hz());
+        count("cfb.window", self.cfb.window, model.look_ahead, "outside 1 to cfb.look_ahead")?;
         check(
             model.refreshes_in_time(memory_clock),
             "cfb.memory_clock_hz",
@@ -769,6 +821,19 @@ mod tests {
             error("clock_hz = 1.0\n[cfb]\nmemory = \"sdram\""),
             "m.toml: cfb.memory_clock_hz = 133000000 is above 65536 ticks in a cycle of clock_hz"
         );
+        let cfb = |text: &str| error(&format!("[cfb]\n{text}"));
+        assert_eq!(cfb("look_ahead = 65"), "m.toml: cfb.look_ahead = 65 is outside 1 to 64");
+        assert_eq!(cfb("look_ahead = 0"), "m.toml: cfb.look_ahead = 0 is outside 1 to 64");
+        assert_eq!(cfb("memory = \"sdram\"\nwindow = 9"), "m.toml: cfb.window = 9 is outside 1 to cfb.look_ahead");
+        assert!(
+            cfb("memory = \"sdram\"\nburst_words = 3").starts_with("m.toml: cfb.burst_words = 3 is not a burst of ")
+        );
+        assert!(cfb("memory = \"hbm\"\nburst_words = 4").starts_with("m.toml: cfb.burst_words = 4 is not a burst of "));
+        assert!(
+            cfb("memory = \"hbm\"\nburst_order = \"sequential\"")
+                .starts_with("m.toml: cfb.burst_order = \"sequential\" is no choice of cfb.memory: ")
+        );
+        assert!(cfb("bank_hash = \"sum\"").starts_with("m.toml:2: "));
         assert_eq!(
             error("[words]\nnormal_bits = 4\n[abc]\npower_bits = 3"),
             "m.toml: abc.root_bits = 8 is outside 4 to 10, or above 2·(words.normal_bits − 1)"
@@ -780,6 +845,11 @@ mod tests {
             error(&format!("{mini}skew = [3, 1, 1]")),
             "m.toml: cfb.skew = [3, 1, 1] is not for cfb.layout = \"mini-blocks\": its first coefficient shares a factor with the lanes; \
              choose another skew or layout"
+        );
+        assert_eq!(
+            error(&format!("{mini}memory = \"sdram\"\ncontroller = \"fr-fcfs\"")),
+            "m.toml: cfb.controller = \"fr-fcfs\" is not for cfb.layout = \"mini-blocks\": their rows are read in order; leave it \"in-order\", \
+             or choose another layout"
         );
         assert_eq!(error(&format!("{mini}reorder_words = 7")), "m.toml: cfb.reorder_words = 7 is outside 8 to 2^36");
         assert_eq!(

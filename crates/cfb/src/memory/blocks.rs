@@ -6,7 +6,7 @@
 //!                                     ──► module n−1                    ┘
 //! ```
 //! The pipeline behind goes by beams. A row of mini-blocks is asked for when the buffer has room for it, each module then reads those of its
-//! mini-blocks one behind another, `look_ahead` bursts at most before the first of them is there. A step of a beam goes on when the
+//! mini-blocks one behind another, as far ahead of the first that is not there as the look-ahead lets it. A step of a beam goes on when the
 //! mini-blocks of its voxels are there whole, and a row leaves the buffer with the last beam that uses it.
 
 use super::rows::{ReorderNeed, along, is_first, is_last, number, of_voxels, pair, row_minis, row_words, used};
@@ -14,7 +14,7 @@ use super::{MemoryCounters, Module, Place, Served, Timing};
 use crate::golden::{Placement, Skew, gcd};
 use crate::unit::Scan;
 use cube3_channel::{Activity, ClockDomain, Reason};
-use cube3_host::{FrameSetup, Geometry, Layout, MachineSpec, MemoryModel};
+use cube3_host::{FrameSetup, Geometry, Layout, LookAheadFreed, LookAheadUnit, MachineSpec};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
@@ -94,6 +94,8 @@ pub struct BlockModules {
     minis: [Vec<Mini>; 3],
     /// For x, y, z, how rows of mini-blocks along the axis and against it go round the modules.
     rounds: [[Round; 2]; 3],
+    unit: LookAheadUnit,
+    freed: LookAheadFreed,
 }
 
 /// Where the modules and the reorder buffer are.
@@ -136,7 +138,15 @@ struct Reader {
     /// Bursts of that mini-block that it has asked for.
     bursts: u32,
     /// Bursts that are not there yet.
-    open: VecDeque<Served>,
+    open: VecDeque<Open>,
+}
+
+/// A burst that has been asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Open {
+    /// The tick in which its first word is there; the last is at `served.ready`.
+    first: i64,
+    served: Served,
 }
 
 /// A row of mini-blocks in the buffer or on its way there.
@@ -182,22 +192,7 @@ impl BlockModules {
     /// # Errors
     /// A reorder buffer that cannot hold what a beam of some frame needs.
     pub fn new(machine: &MachineSpec, frames: &[FrameSetup], dims: [usize; 3]) -> Result<BlockModules, ReorderError> {
-        let clock_hz = machine.memory_clock_hz();
-        let timing = Timing::new(MemoryModel::of(machine.cfb.memory), clock_hz);
-        BlockModules::with_timing(machine, timing, frames, dims)
-    }
-
-    /// The same with modules of some timing.
-    ///
-    /// # Errors
-    /// As [`BlockModules::new`].
-    pub fn with_timing(
-        machine: &MachineSpec,
-        timing: Timing,
-        frames: &[FrameSetup],
-        dims: [usize; 3],
-    ) -> Result<BlockModules, ReorderError> {
-        let words = buffer_words(machine, &timing, frames)?;
+        let (words, timing) = (reorder_words(machine, frames)?, Timing::of(machine));
         let (lanes, banks) = (machine.lanes, timing.banks());
         let skew = Skew { coefficients: machine.cfb.skew, lanes };
         let placement = Placement { skew, layout: Layout::MiniBlocks, dims };
@@ -215,7 +210,8 @@ impl BlockModules {
         let minis = [0, 1, 2].map(|axis| (0..dims[axis].div_ceil(Placement::MINI)).map(|i| mini(axis, i)).collect());
         let rounds = skew.coefficients.map(|a| [a, -a].map(|stride| Round::new(stride, lanes)));
         let clock = ClockDomain::from_hertz(machine.memory_clock_hz(), machine.clock_hz);
-        Ok(BlockModules { timing, clock, lanes, words, minis, rounds })
+        let (unit, freed) = (machine.cfb.look_ahead_unit, machine.cfb.look_ahead_freed);
+        Ok(BlockModules { timing, clock, lanes, words, minis, rounds, unit, freed })
     }
 
     /// The modules at the start of the first of some frames.
@@ -265,12 +261,11 @@ impl BlockModules {
         for module in 0..self.lanes {
             loop {
                 let open = &mut state.readers[module].open;
-                while open.front().is_some_and(|burst| burst.ready < state.now) {
+                while open.front().is_some_and(|burst| burst.served.ready < state.now) {
                     open.pop_front();
                 }
-                if open.len() >= self.timing.look_ahead {
-                    let there = open.front().map_or(i64::MAX, |burst| burst.ready + 1);
-                    state.wake = state.wake.min(there);
+                if let Some(tick) = self.held_until(open, state.now) {
+                    state.wake = state.wake.min(tick);
                     break;
                 }
                 let Some((place, mini)) = self.next_mini(state, module, frames, released) else {
@@ -281,6 +276,25 @@ impl BlockModules {
                 self.read(state, module, place, mini, &frames[frame].geometry);
             }
         }
+    }
+
+    /// A tick before which a module that has asked for these bursts cannot ask for another one, if there is any behind `now`.
+    #[inline]
+    fn held_until(&self, open: &VecDeque<Open>, now: i64) -> Option<i64> {
+        let (burst, rate) = (self.burst_words() as i64, self.timing.words_per_tick as i64);
+        let missing = |open: &Open| match (self.freed, self.unit) {
+            (LookAheadFreed::Column, _) if open.served.issued < now => 0,
+            (_, LookAheadUnit::Bursts) => 1,
+            (LookAheadFreed::Word, LookAheadUnit::Words) if open.first < now => {
+                burst.min((open.served.ready - now + 1) * rate)
+            }
+            (_, LookAheadUnit::Words) => burst,
+        };
+        if (self.unit, self.freed) == (LookAheadUnit::Bursts, LookAheadFreed::Word) {
+            let front = open.front().filter(|_| open.len() >= self.timing.look_ahead)?;
+            return Some(front.served.ready + 1);
+        }
+        (open.iter().map(missing).sum::<i64>() >= self.timing.look_ahead as i64).then_some(now + 1)
     }
 
     /// The row and mini-block that a module reads from next, if there is any.
@@ -380,6 +394,7 @@ impl BlockModules {
         let word = |i: u64| Place { word: at.address + first + i, bank, row: row_of_bank };
         let counters = &mut state.counters[row.frame as usize];
         let mut served = reader.module.read(&self.timing, word(0), state.now, counters);
+        let first_word = served.ready;
         if words > 1 {
             served = served.and(reader.module.read(&self.timing, word(words - 1), state.now, counters));
             counters.words += words - 2;
@@ -387,7 +402,7 @@ impl BlockModules {
         let arrival = &mut row.arrivals[mini];
         arrival.missing -= 1;
         arrival.served = arrival.served.and(served);
-        reader.open.push_back(served);
+        reader.open.push_back(Open { first: first_word, served });
         reader.bursts += 1;
         if arrival.missing == 0 {
             reader.bursts = 0;
@@ -422,7 +437,7 @@ impl BlockModules {
         let mine = |&&place: &&u32| state.rows[place as usize].j == j && state.rows[place as usize].frame == frame;
         let Some(&place) = here.iter().find(mine) else {
             let slowest = state.readers.iter().filter_map(|reader| reader.open.front());
-            let served = slowest.fold(Served::AT_ONCE, |all, &burst| all.and(burst));
+            let served = slowest.fold(Served::AT_ONCE, |all, burst| all.and(burst.served));
             return Some(activity(served, state.next - 1));
         };
         let row = &mut state.rows[place as usize];
@@ -452,7 +467,7 @@ impl BlockModules {
             if arrival.missing > 0 {
                 let module = (start + mini as usize * round.stride) % self.lanes;
                 // It comes behind what its module has been asked for.
-                served = state.readers[module].open.front().map_or(served, |&burst| served.and(burst));
+                served = state.readers[module].open.front().map_or(served, |burst| served.and(burst.served));
             }
         }
         Some(activity(served, state.next - 1))
@@ -484,14 +499,9 @@ impl BlockModules {
 /// # Errors
 /// Fewer than a beam needs.
 pub fn reorder_words(machine: &MachineSpec, frames: &[FrameSetup]) -> Result<u64, ReorderError> {
-    buffer_words(machine, &Timing::new(MemoryModel::of(machine.cfb.memory), machine.memory_clock_hz()), frames)
-}
-
-/// The same with modules of some timing.
-fn buffer_words(machine: &MachineSpec, timing: &Timing, frames: &[FrameSetup]) -> Result<u64, ReorderError> {
     let mut most = ReorderNeed::default();
     for setup in frames {
-        let need = ReorderNeed::new(machine, timing, &setup.geometry);
+        let need = ReorderNeed::new(machine, &setup.geometry);
         (most.least, most.steady) = (most.least.max(need.least), most.steady.max(need.steady));
     }
     let words = machine.cfb.reorder_words.unwrap_or(most.steady);

@@ -6,10 +6,9 @@
 //! other; where planes wrap round, some are used in the first planes and again in the last. A row stays in the buffer as long as the same
 //! plane or the next one uses it again.
 
-use super::Timing;
 use crate::golden::Placement;
 use crate::unit::{CfbSpec, row};
-use cube3_host::{Geometry, MachineSpec};
+use cube3_host::{Geometry, LookAheadUnit, MachineSpec, MemoryModel};
 
 /// The mini-block, along the axis behind v (1) or w (2), of a row or depth.
 fn mini(geometry: &Geometry, axis: usize, coordinate: usize) -> usize {
@@ -102,12 +101,12 @@ pub struct ReorderNeed {
 }
 
 impl ReorderNeed {
-    /// The need of a frame on a machine whose modules have a timing.
+    /// The need of a frame on a machine.
     ///
     /// With N(t) rows asked for first by the beams up to beam t, R(t) rows left behind by those before it, and the beam from cycle s(t) to
     /// e(t) of T: reading N(T) rows at one rate, row N(t) has to be there at s(t), so the reading begins at the least of s(t) − T·N(t)/N(T)
     /// at the latest, and at e(t) the buffer holds what has been read until then less R(t).
-    pub fn new(machine: &MachineSpec, timing: &Timing, geometry: &Geometry) -> ReorderNeed {
+    pub fn new(machine: &MachineSpec, geometry: &Geometry) -> ReorderNeed {
         let spec = CfbSpec::new(machine, geometry);
         let [planes, depths] = [geometry.slot_counts()[1], geometry.size[2]].map(|n| n as u32);
         let (mut cycle, mut asked, mut left, mut least) = (0, 0_u64, 0_u64, 0);
@@ -137,7 +136,13 @@ impl ReorderNeed {
         let most = ends.into_iter().map(ahead).max().unwrap_or(0);
         let held = ((most - begin) as u64).div_ceil(cycle.max(1));
         let words = row_words(geometry);
-        let outstanding = timing.look_ahead * timing.burst.min(Placement::MINI_WORDS) * machine.lanes;
+        let model = MemoryModel::of_machine(&machine.cfb);
+        let burst = model.burst.min(Placement::MINI_WORDS);
+        let bursts = match machine.cfb.look_ahead_unit {
+            LookAheadUnit::Words => model.look_ahead.div_ceil(burst),
+            LookAheadUnit::Bursts => model.look_ahead,
+        };
+        let outstanding = bursts * burst * machine.lanes;
         ReorderNeed {
             least: least * words,
             steady: (held.max(least) + 2) * words + outstanding as u64,
