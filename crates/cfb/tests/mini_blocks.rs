@@ -369,3 +369,90 @@ proptest! {
         prop_assert!(twice.len() <= if padded { 0 } else { pairs }, "{} of {}", twice.len(), pairs);
     }
 }
+
+/// Four SDRAMs of 125 MHz with bursts of 8, of which 16 are asked for ahead, behind a pipeline of the same clock.
+fn four_sdrams() -> MachineSpec {
+    let cfb = Cfb {
+        memory: MemoryType::Sdram,
+        memory_clock_hz: Some(125e6),
+        layout: Layout::MiniBlocks,
+        burst_words: Some(8),
+        look_ahead: Some(16),
+        look_ahead_unit: LookAheadUnit::Bursts,
+        ..Cfb::default()
+    };
+    MachineSpec { lanes: 4, clock_hz: 125e6, cfb, ..MachineSpec::default() }
+}
+
+/// The 26 directions to the neighbours of a cube, each a little turned.
+fn directions() -> impl Iterator<Item = [f64; 3]> {
+    let turned = |i: usize| [0.07, -0.11, 0.05].map(|turn| if i == 0 { 0.0 } else { turn });
+    let all = (0..27).filter(|i| *i != 13).map(|i| [i % 3, i / 3 % 3, i / 9].map(|n| n as f64 - 1.0));
+    all.flat_map(move |d| [0, 1].map(|i| [0, 1, 2].map(|axis| d[axis] + turned(i)[axis])))
+}
+
+/// The ticks of a frame are those of its bursts, of which a module has the same number as any other; a refresh loses tRP + tRFC + tRCD = 15 of
+/// 976 ticks; a burst in another row of the bank of the burst before loses what closing and opening takes longer than a burst, 8 + 3 + 3 − 8.
+#[test]
+fn a_frame_from_every_direction_takes_its_bursts_its_refreshes_and_the_rows_that_meet_in_a_bank() {
+    let machine = four_sdrams();
+    let n = 64;
+    let volume = VolumeInfo { dims: [n; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
+    let skew = Skew { coefficients: [1; 3], lanes: 4 };
+    let placement = Placement { skew, layout: Layout::MiniBlocks, dims: [n; 3] };
+    for direction in directions() {
+        let scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
+        let setup = frame_setup(&scene, &machine, &volume, true).unwrap().setup;
+        let setups = vec![setup; 3];
+        let stays = naive_stays(&naive_beams(&setups[..2]));
+        let (mut bursts, mut met, mut last) = (0, 0, None);
+        for (i, mini) in stays.iter().flat_map(|stay| stay.minis.iter().map(move |mini| (stay.frame, mini))) {
+            let voxel = mini.map(|i| 2 * i);
+            if placement.module(voxel) != 0 {
+                continue;
+            }
+            let sum = |of: &dyn Fn(usize) -> usize| (0..3).map(of).sum::<usize>();
+            let bank = sum(&|axis| placement.block(axis, voxel[axis])) % 4;
+            let row = sum(&|axis| placement.bank_term(axis, voxel[axis], 4)) / 512;
+            if i == 1 {
+                bursts += 1;
+                met += u64::from(last.is_some_and(|(before, open)| before == bank && open != row));
+            }
+            last = Some((bank, row));
+        }
+        let seen = run(&machine, &setups);
+        let frame = (seen.sent[3 * n * n - 1] - seen.sent[2 * n * n - 1]) as f64;
+        let expected = (8 * bursts + 6 * met) as f64 * 976.0 / (976.0 - 15.0);
+        assert!((frame / expected - 1.0).abs() < 0.002, "{direction:?}: {frame}, expected {expected}");
+        // 1.02 ticks a word, the rows that are read twice, and the banks.
+        let words = (n * n * n) as f64 / 4.0;
+        let twice = 8.0 * bursts as f64 / words;
+        assert!(frame / words < 1.02 * (twice + 6.0 * met as f64 / words), "{direction:?}: {}", frame / words);
+    }
+}
+
+/// With room for what the frame needs, and modules that read at the rate of its need, no beam waits but the first; with half the room above
+/// the least some do.
+#[test]
+fn the_steady_capacity_is_what_a_reader_of_one_rate_needs_and_no_more() {
+    let n = 64;
+    let volume = VolumeInfo { dims: [n; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
+    for direction in [[0.3, 0.1, 1.0], [1.0, 0.9, 0.95], [-1.0, 0.9, -0.8], [0.2, 0.5, 1.0]] {
+        let mut machine = four_sdrams();
+        machine.cfb = Cfb { layout: Layout::MiniBlocks, look_ahead: Some(64), ..Cfb::default() };
+        let scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
+        let setup = frame_setup(&scene, &machine, &volume, true).unwrap().setup;
+        let need = ReorderNeed::new(&machine, &setup.geometry);
+        machine.cfb.memory_clock_hz = Some((125e6 * (1.0002 * need.words as f64 / (n * n * n) as f64)).ceil());
+        let setups = vec![setup; 3];
+        let frame = |words: u64| {
+            let mut machine = machine.clone();
+            machine.cfb.reorder_words = Some(words);
+            let seen = run(&machine, &setups);
+            seen.sent[3 * n * n - 1] - seen.sent[2 * n * n - 1]
+        };
+        let least = (n * n * n / 4) as u64;
+        assert_eq!(frame(need.steady), least, "{direction:?}");
+        assert!(frame((need.least + need.steady) / 2) > least, "{direction:?}");
+    }
+}
