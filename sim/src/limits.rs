@@ -5,7 +5,7 @@ use crate::problem::Outcome;
 use cube3_cfb::PortSpec;
 use cube3_host::{
     Acquisition, AcquisitionMode, Boards, Bus, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, FrameSetup, Frames,
-    HostLink, MachineSpec, MemoryType,
+    HostLink, Layout, MachineSpec,
 };
 use cube3_report::{LimitWithout, LimitsReport};
 
@@ -21,9 +21,10 @@ const RESOURCES: [Resource; 9] = [
     Resource {
         name: "memory",
         replaced_by: "modules that give a word in every cycle, without conflicts",
-        remove: |m| MachineSpec {
-            cfb: Cfb { memory: MemoryType::Ideal, memory_clock_hz: None, skew: [1, 1, 1], ..m.cfb },
-            ..m.clone()
+        remove: |m| {
+            // Words of mini-blocks come behind one another from every memory; rows of an ideal one wait for nothing.
+            let layout = if m.cfb.layout == Layout::MiniBlocks { Layout::Rows } else { m.cfb.layout };
+            MachineSpec { cfb: Cfb { layout, ..Cfb::default() }, ..m.clone() }
         },
     },
     Resource {

@@ -10,7 +10,7 @@ use crate::links::{RayWords, channels};
 use crate::trace::{Token, TokenKind};
 use cube3_abc::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, ShadedSamples, Shader};
 use cube3_cfb::golden::Skew;
-use cube3_cfb::memory::{MemoryCounters, Modules};
+use cube3_cfb::memory::{MemoryCounters, ReorderCounters, ReorderError, Supply};
 use cube3_cfb::{AcquisitionPort, Beam, CfbSpec, CfbUnit, Fetch, FrameBuffer, FrameBufferError, NoVoxels, PortSpec};
 use cube3_channel::{
     Account, Activity, Archive, ArchiveError, Archived, Channel, ChannelCounters, ChannelError, Deadlock, PortState,
@@ -76,6 +76,9 @@ pub enum RunError {
     /// The frame buffer.
     #[error(transparent)]
     FrameBuffer(#[from] FrameBufferError),
+    /// A reorder buffer that is too small.
+    #[error(transparent)]
+    Reorder(#[from] ReorderError),
     /// Nothing can move.
     #[error(transparent)]
     Deadlock(#[from] Deadlock),
@@ -100,6 +103,8 @@ pub struct RunCounters {
     pub channels: Vec<ChannelReading>,
     /// What the memory modules have done, by frame; nothing where they give any word in any cycle.
     pub memory: Vec<MemoryCounters>,
+    /// What the reorder buffer behind them has done; nothing where they are read by beams.
+    pub reorder: Option<ReorderCounters>,
     /// Words on the bus and on the links between boards.
     pub bus: BusCounters,
     /// Words of rays on those links, in the frames that the host has received whole.
@@ -198,10 +203,10 @@ impl Machine<Timing> {
     /// A machine without data.
     ///
     /// # Errors
-    /// A channel that cannot be built.
+    /// A channel that cannot be built, a reorder buffer that is too small.
     pub fn timing(machine: &MachineSpec, frames: Vec<FrameSetup>) -> Result<Machine<Timing>, RunError> {
         let parts = |_: &FrameSetup| Parts { dsb: NoPlanes, trilin: NoSamples, abc: NoShading, host: NoHost };
-        Ok(Machine::assemble(machine, frames, NoVoxels, NoBus, NoPixels, parts)?)
+        Machine::assemble(machine, frames, NoVoxels, NoBus, NoPixels, parts)
     }
 }
 
@@ -209,7 +214,7 @@ impl Machine<Cycle> {
     /// A machine with a volume of voxel words (x fastest) in its frame buffer.
     ///
     /// # Errors
-    /// A channel that cannot be built, and a skew that needs too much memory.
+    /// A channel that cannot be built, a reorder buffer that is too small, and a skew that needs too much memory.
     pub fn cycle(
         machine: &MachineSpec,
         frames: Vec<FrameSetup>,
@@ -225,7 +230,7 @@ impl Machine<Cycle> {
             abc: Shader::new(setup, machine.abc.planes, true),
             host: Collector { base: BasePlane::empty(&setup.geometry, setup.words.accumulator_bits) },
         };
-        Ok(Machine::assemble(machine, frames, memory, Rotator { lanes }, Reducer::default(), parts)?)
+        Machine::assemble(machine, frames, memory, Rotator { lanes }, Reducer::default(), parts)
     }
 
     /// Lets these volumes of voxel words (x fastest) come in through a port while frames are read.
@@ -318,7 +323,7 @@ impl<F: Fidelity> Machine<F> {
         wires: F::Bus,
         nodes: F::Cone,
         parts: impl Fn(&FrameSetup) -> Parts<F>,
-    ) -> Result<Machine<F>, ChannelError> {
+    ) -> Result<Machine<F>, RunError> {
         let sizes = channels(machine);
         let [beams, aligned, rays, samples, shaded, pixels] = Self::JOINTS.map(|joint| joint.channel);
         let mut dsb = Vec::new();
@@ -339,7 +344,7 @@ impl<F: Fidelity> Machine<F> {
             host.push((setup, parts.host));
         }
         let specs = frames.iter().map(|setup| CfbSpec::new(machine, &setup.geometry)).collect();
-        let modules = frames.first().and_then(|setup| Modules::new(machine, setup.geometry.dims()));
+        let modules = Supply::new(machine, &frames)?;
         Ok(Machine {
             cfb: CfbUnit::new(specs, memory).with_modules(modules),
             bus: BusUnit::new(machine, frames.iter().map(|setup| &setup.geometry), wires),
@@ -542,6 +547,7 @@ impl<F: Fidelity> Machine<F> {
             units,
             channels,
             memory: self.cfb.memory_counters().to_vec(),
+            reorder: self.cfb.reorder_counters(),
             bus: self.bus.counters(),
             ray_words: self.ray_words_received(),
             host: self.host.counters(),

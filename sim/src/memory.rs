@@ -332,8 +332,7 @@ pub fn set(unit: &dyn Unit, format: &Format, lanes: bool) -> Result<Need, Expres
         "dsb" if lanes => 4 * (8 * n) * (8 * n),
         "cfb" if lanes => {
             let skew = Skew { coefficients: format.skew, lanes: format.lanes as usize };
-            let layout = if format.blocks { cube3_host::Layout::Blocks } else { cube3_host::Layout::Rows };
-            let words = Placement { skew, layout, dims: format.dims.map(|n| n as usize) }.words() as u64;
+            let words = Placement { skew, layout: format.layout, dims: format.dims.map(|n| n as usize) }.words() as u64;
             // More is refused by the frame buffer itself.
             Some(words.saturating_mul(2 * n))
                 .filter(|&bytes| u128::from(bytes) <= cube3_cfb::FrameBuffer::LIMIT_BYTES)

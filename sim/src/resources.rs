@@ -4,10 +4,11 @@
 //! more where the product is rounded to nearest and drops bits. Shifts, selections and table look-ups are none.
 
 use crate::machine::RunCounters;
+use cube3_cfb::memory::reorder_words;
 use cube3_cone::ConeSpec;
 use cube3_host::{
-    ConeRegisters, FrameSetup, GradientMethod, GradientScale, LinearFactor, MachineSpec, RayEnds, RaySlots, Reuse,
-    Shading, ShadingUnit,
+    ConeRegisters, FrameSetup, GradientMethod, GradientScale, Layout, LinearFactor, MachineSpec, MemoryModel, RayEnds,
+    RaySlots, Reuse, Shading, ShadingUnit,
 };
 use cube3_report::{InterfaceReport, LinesReport, MemoryBits, OperatorCounts, OperatorsReport, ResourcesReport};
 use cube3_scene::{MOST_CUTS, MOST_LIGHTS};
@@ -162,6 +163,11 @@ pub(crate) fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSet
     };
     let voxel_bits = u64::from(words.voxel_bits);
     kind(FRAME_BUFFER, format!("{buffers} × {voxels} voxels of {voxel_bits} bits"), buffers * voxels * voxel_bits);
+    if machine.cfb.layout == Layout::MiniBlocks
+        && let Ok(held) = reorder_words(machine, frames)
+    {
+        kind("reorder buffer", format!("{held} voxels of {voxel_bits} bits"), held * voxel_bits);
+    }
     // The largest frame sets the size of each buffer; registers and first planes are there twice where frames overlap.
     let twice = if machine.frames.overlap { 2 } else { 1 };
     let most = |of: &dyn Fn(&FrameSetup) -> u64| frames.iter().map(of).max().unwrap_or(0);
@@ -287,8 +293,16 @@ fn interfaces(machine: &MachineSpec, frames: &[FrameSetup], counters: &RunCounte
     };
     let memory_clock = machine.memory_clock_hz();
     let bus = machine.bus.channels.unwrap_or(machine.lanes) as f64 * machine.bus.clock_hz.unwrap_or(clock);
-    let mut interfaces = vec![
-        interface("memory to bus", Some(lanes * voxel * memory_clock), fetched * voxel),
+    let mut interfaces = Vec::new();
+    if machine.cfb.layout == Layout::MiniBlocks {
+        let peak = lanes * voxel * memory_clock * MemoryModel::of(machine.cfb.memory).words_per_tick as f64;
+        let read = counters.memory.iter().map(|frame| frame.words as f64).sum::<f64>();
+        interfaces.push(interface("memory to reorder buffer", Some(peak), read * voxel));
+        interfaces.push(interface("reorder buffer to bus", Some(lanes * voxel * clock), fetched * voxel));
+    } else {
+        interfaces.push(interface("memory to bus", Some(lanes * voxel * memory_clock), fetched * voxel));
+    }
+    interfaces.extend([
         interface("bus to buffers", Some(bus * voxel), counters.bus.words as f64 * voxel),
         interface("buffers to interpolation", Some(most_corners * lanes * voxel * clock), corners * voxel),
         interface("interpolation to shading", Some(lanes * sample * clock), rays * sample),
@@ -298,7 +312,7 @@ fn interfaces(machine: &MachineSpec, frames: &[FrameSetup], counters: &RunCounte
             machine.host_link.bytes_per_cycle.map(|bytes| bytes * clock),
             counters.host.bytes as f64,
         ),
-    ];
+    ]);
     if machine.boards.count > 1 {
         // Each board has a link to its neighbour, which carries words in two directions.
         let words = machine.boards.link_words_per_cycle.map(|words| 2.0 * machine.boards.count as f64 * words);

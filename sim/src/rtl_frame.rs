@@ -360,7 +360,7 @@ fn modules(machine: &MachineSpec, setup: &FrameSetup, voxels: &[u16]) -> String 
     let mut memory = vec![0; words * machine.lanes];
     for (i, &voxel) in voxels.iter().enumerate() {
         let xyz = [i % dims[0], i / dims[0] % dims[1], i / (dims[0] * dims[1])];
-        memory[skew.module(xyz.map(|i| i as i64)) * words + placement.address(xyz)] = voxel;
+        memory[placement.module(xyz) * words + placement.address(xyz)] = voxel;
     }
     let mut text = String::new();
     for (module, words) in memory.chunks(words).enumerate() {

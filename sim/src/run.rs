@@ -25,8 +25,8 @@ use cube3_host::{
 use cube3_metrics::{Picture, compare, difference, footprint, suggested_factor};
 use cube3_report::{
     ChannelReport, DigestReport, ErrorReport, LeftOut, MemoryTraffic, OpacityReport, PassReport, PerspectiveReport,
-    PlanReport, Program, RunReport, SCHEMA, SequenceReport, TimingCounts, TrafficReport, UnitReport, ViewReport,
-    VolumeReport, WallReport, WordsReport, sha256_hex,
+    PlanReport, Program, ReorderTraffic, RunReport, SCHEMA, SequenceReport, TimingCounts, TrafficReport, UnitReport,
+    ViewReport, VolumeReport, WallReport, WordsReport, sha256_hex,
 };
 use cube3_scene::Scene;
 use std::collections::BTreeMap;
@@ -537,9 +537,16 @@ fn traffic_report(counters: &RunCounters) -> TrafficReport {
         row_conflicts: sum.row_conflicts,
         refreshes: sum.refreshes,
     });
+    let reorder = counters.reorder.map(|buffer| ReorderTraffic {
+        words: buffer.words,
+        peak_words: buffer.peak_words,
+        rows: buffer.rows,
+        mini_blocks: buffer.mini_blocks,
+    });
     let (bus, rays, host) = (&counters.bus, &counters.ray_words, &counters.host);
     TrafficReport {
         memory,
+        reorder,
         bus_words: bus.words,
         bus_slots: bus.slots,
         link_words: bus.link_words,

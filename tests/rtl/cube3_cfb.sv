@@ -1,7 +1,8 @@
 // Where a voxel lies in the cubic frame buffer: module (a*x + b*y + c*z) mod LANES, and the address within it.
 //
 // Pfister et al. 1995, section 3.1. Equals cube3_cfb::golden::Placement and Skew::module. BLOCKS 0: words in rows, x' + X*(y + Y*z) with
-// x' the word of the row and X the words of a row; 1: in blocks of up to 8 words a side, each in the order of rows.
+// x' the word of the row and X the words of a row; 1: in blocks of up to 8 words a side, each in the order of rows; 2: mini-blocks of
+// 2 x 2 x 2 voxels side by side in a module, in blocks of 2*LANES x 8 x 8 voxels. SKEW_A and LANES then share no factor.
 //
 // All divisors are constants: powers of two are wiring.
 module cube3_cfb #(
@@ -63,14 +64,23 @@ module cube3_cfb #(
     wire [35:0] wide_y = {24'd0, y};
     wire [35:0] wide_z = {24'd0, z};
 
-    wire [35:0] sum = 36'(A) * wide_x + 36'(B) * wide_y + 36'(C) * wide_z;
+    // What the skew spreads: voxels, or mini-blocks.
+    localparam integer SIDE = BLOCKS == 2 ? 2 : 1;
+    wire [35:0] sum = 36'(A) * (wide_x / 36'(SIDE)) + 36'(B) * (wide_y / 36'(SIDE)) + 36'(C) * (wide_z / 36'(SIDE));
     assign module_number = 12'(sum % 36'(LANES));
 
     // Which of its module's words of a row the voxel is.
     wire [35:0] word = wide_x / 36'(LANES) * 36'(DEPTH) + wide_x % 36'(LANES) / 36'(SPREAD);
 
     generate
-        if (BLOCKS != 0) begin : blocks
+        if (BLOCKS == 2) begin : mini_blocks
+            // Blocks along x and y.
+            localparam integer MX = (NX + 2 * LANES - 1) / (2 * LANES);
+            localparam integer MY = (NY + 7) / 8;
+            wire [35:0] number = wide_x / 36'(2 * LANES) + 36'(MX) * (wide_y / 36'd8 + 36'(MY) * (wide_z / 36'd8));
+            // Of a block a module has 4 x 4 mini-blocks along y and z.
+            assign address = {number[28:0], z[2:1], y[2:1], z[0], y[0], x[0]};
+        end else if (BLOCKS == 1) begin : blocks
             wire [35:0] block = word / 36'(BX) + 36'(CX) * (wide_y / 36'(BY) + 36'(CY) * (wide_z / 36'(BZ)));
             wire [35:0] inner = word % 36'(BX) + 36'(BX) * (wide_y % 36'(BY) + 36'(BY) * (wide_z % 36'(BZ)));
             assign address = block * 36'(BLOCK) + inner;

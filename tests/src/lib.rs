@@ -130,9 +130,9 @@ struct Fabric {
 /// Memory clock, type and layout of a frame buffer beside a pipeline of 50 MHz; the ideal one as often as all others.
 fn memories() -> impl Strategy<Value = (Option<f64>, Cfb)> {
     let kinds = proptest::sample::select(MemoryModel::TABLE.map(|model| model.kind).to_vec());
-    let slow = (kinds, proptest::option::of(0.4..2.0_f64), any::<bool>()).prop_map(|(memory, speed, blocks)| {
+    let layouts = proptest::sample::select(Layout::ALL.to_vec());
+    let slow = (kinds, proptest::option::of(0.4..2.0_f64), layouts).prop_map(|(memory, speed, layout)| {
         let clock = MemoryModel::of(memory).clock_hz.unwrap_or(50e6);
-        let layout = if blocks { Layout::Blocks } else { Layout::Rows };
         (speed.map(|speed| speed * clock), Cfb { memory, layout, ..Cfb::default() })
     });
     prop_oneof![Just((None, Cfb::default())), slow]
@@ -169,6 +169,7 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
             } else {
                 words
             };
+            let skew = if cfb.layout.takes(skew, lanes) { skew } else { [1, skew[1], skew[2]] };
             MachineSpec {
                 lanes,
                 words,

@@ -218,6 +218,33 @@ proptest! {
     }
 }
 
+/// Two neighbours along x share a module of mini-blocks, which takes one in a cycle and the other in the next: a group is still `lanes` words.
+/// In a stolen cycle the modules' time stands still, and the pipeline waits for them at the end of the cycle before.
+#[test]
+fn modules_of_mini_blocks_lose_the_stolen_cycles_and_no_more() {
+    for (n, part) in [(16, 0.3), (16, 1.0), (24, 0.05)] {
+        let mut machine = cube3::inputs::machine("em-cube").unwrap();
+        let words_per_cycle = 4.0 * part;
+        machine.acquisition = Acquisition { mode: AcquisitionMode::CycleStealing, words_per_cycle };
+        let scene = Scene { view: View::from_direction([0.4, 0.3, 1.0], None), ..Scene::default() };
+        let volume = VolumeInfo { dims: [n; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
+        let setup = frame_setup(&scene, &machine, &volume, true).unwrap().setup;
+        let mut alone = Machine::timing(&machine, vec![setup.clone(); 2]).unwrap();
+        alone.run(&|_, _| {}).unwrap();
+        let mut run = Machine::timing(&machine, vec![setup; 2]).unwrap();
+        let spec = PortSpec::new(&machine, [n; 3], None);
+        assert_eq!((spec.group, spec.words_per_cycle()), (4, words_per_cycle));
+        run.acquire(spec);
+        run.run(&|_, _| {}).unwrap();
+        let stolen = port(&run).stolen();
+        assert!(stolen > 0);
+        assert_eq!(run.counters().cycles, alone.counters().cycles + stolen);
+        assert_eq!(run.counters().units[0].1.busy, alone.counters().units[0].1.busy);
+        assert_eq!((run.counters().memory, run.counters().reorder), (alone.counters().memory, alone.counters().reorder));
+        assert!(port(&run).written() >= 4 * stolen);
+    }
+}
+
 #[test]
 fn a_port_as_fast_as_the_modules_writes_a_volume_in_the_cycles_of_its_words() {
     for (skew, lanes, group) in [([1, 1, 1], 8, 8), ([2, 1, 1], 8, 4), ([0, 1, 1], 8, 1), ([1, 1, 1], 5, 5)] {

@@ -2,7 +2,7 @@
 
 use cube3::function::{CanonicalVolume, FunctionRun, render};
 use cube3::machine::Machine;
-use cube3_host::{FrameSetup, MachineSpec, RaySlots, Rays, frame_setup};
+use cube3_host::{Cfb, FrameSetup, Layout, MachineSpec, RaySlots, Rays, frame_setup};
 use cube3_scene::{Mode, Scene};
 use cube3_tests::{SmallVolume, machines, scenes, volumes};
 use cube3_word::Words;
@@ -61,6 +61,20 @@ proptest! {
             run.into_base_planes().remove(0)
         };
         prop_assert_eq!(image(RaySlots::Wrapped), image(RaySlots::Padded));
+    }
+
+    #[test]
+    fn every_layout_gives_the_same_bits((machine, scene, volume) in case()) {
+        let skew = if Layout::MiniBlocks.takes(machine.cfb.skew, machine.lanes) { machine.cfb.skew } else { [1; 3] };
+        let [rows, blocks, mini_blocks] = Layout::ALL.map(|layout| {
+            let machine = MachineSpec { cfb: Cfb { layout, skew, ..machine.cfb }, ..machine.clone() };
+            let setup = setup(&scene, &machine, &volume, true);
+            let mut run = Machine::cycle(&machine, vec![setup], volume.dims, &volume.words).unwrap();
+            run.run(&|_, _| {}).unwrap();
+            (run.counters().beams, run.into_base_planes().remove(0))
+        });
+        prop_assert_eq!(&rows, &blocks);
+        prop_assert_eq!(&rows, &mini_blocks);
     }
 
     #[test]

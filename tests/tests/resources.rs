@@ -97,6 +97,29 @@ fn memory_is_what_the_buffers_hold() {
     assert_eq!(bits("lerps kept"), (4 * 32 + 32 * 32) * 16);
 }
 
+/// The reorder buffer holds the words of two voxel rows at two depths for each pair of depths, and what is asked for ahead; its words go in at the
+/// modules' rate and out at the pipeline's.
+#[test]
+fn mini_blocks_have_a_reorder_buffer() {
+    let n = 32_u64;
+    let preset = cube3::inputs::machine("em-cube").unwrap();
+    let (report, counters) = count(&preset, n as usize);
+    let reorder = counters.reorder.unwrap();
+    let bits = report.memory.iter().find(|memory| memory.what == "reorder buffer").unwrap().bits;
+    assert_eq!(bits, 16 * reorder.words);
+    // A plane of the volume twice at most, twice where reading goes on at one rate; two rows, and 16 bursts of 8 of four modules.
+    let most = 4 * n * n + 2 * 4 * n + 16 * 8 * 4;
+    assert!((n * n..=most).contains(&reorder.words) && reorder.peak_words <= reorder.words, "{reorder:?}");
+    let [into, out] = [0, 1].map(|i| &report.interfaces[i]);
+    assert_eq!([into.name.as_str(), &out.name], ["memory to reorder buffer", "reorder buffer to bus"]);
+    assert_eq!((into.peak_bytes_per_s, out.peak_bytes_per_s), (Some(1e9), Some(1e9)));
+    let more = counters.memory[0].words as f64 / (n * n * n) as f64;
+    assert!((1.0..1.04).contains(&more) && (into.mean_bytes_per_s / out.mean_bytes_per_s / more - 1.0).abs() < 1e-9);
+    let small = MachineSpec { cfb: Cfb { reorder_words: Some(1024), ..preset.cfb }, ..preset };
+    let error = Machine::timing(&small, vec![setup(&small, n as usize)]).err().unwrap().to_string();
+    assert!(error.starts_with("cfb.reorder_words = 1024 is too small for this view: a beam needs "), "{error}");
+}
+
 /// Section 5: 512 modules of 16 bits with a cycle of 127 ns are 8.06 GB/s, and as many samples a second as words.
 #[test]
 fn the_papers_memory_bandwidth() {

@@ -1,7 +1,7 @@
 //! Frame rates that each type of memory module allows, and how often a word needs a new row, by the axes of beam and depth:
 //! `cargo run --release -p cube3-cfb --example memory_rates -- SIZE CLOCK_MHZ`.
 
-use cube3_cfb::memory::{MemoryCounters, Modules};
+use cube3_cfb::memory::{MemoryCounters, Supply};
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, NoVoxels};
 use cube3_channel::Channel;
 use cube3_host::{Cfb, Layout, MachineSpec, MemoryModel, MemoryType, VolumeInfo, frame_setup};
@@ -22,7 +22,7 @@ fn frame(machine: &MachineSpec, direction: [f64; 3]) -> Result<(u64, f64), Box<d
     let volume = VolumeInfo { dims: [machine.lanes; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
     let setups = [frame_setup(&scene, machine, &volume, true)?.setup];
     let spec = CfbSpec::new(machine, &setups[0].geometry);
-    let mut cfb = CfbUnit::new(vec![spec], NoVoxels).with_modules(Modules::new(machine, volume.dims));
+    let mut cfb = CfbUnit::new(vec![spec], NoVoxels).with_modules(Supply::new(machine, &setups)?);
     let mut beams = Channel::<Beam<()>>::new("beams", 4, 2)?;
     let mut cycles = 0;
     while !cfb.done() {

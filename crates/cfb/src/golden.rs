@@ -69,8 +69,58 @@ pub struct Placement {
 }
 
 impl Placement {
-    /// Words of a module along a side of a block.
+    /// Words of a module along a side of a block. Voxels along y and z of a block of mini-blocks.
     pub const BLOCK: usize = 8;
+    /// Voxels along a side of a mini-block.
+    pub const MINI: usize = 2;
+    /// Words of a mini-block.
+    pub const MINI_WORDS: usize = Self::MINI.pow(3);
+    /// Words that a module holds of a block of mini-blocks.
+    pub const MINI_BLOCK_WORDS: usize = (Self::BLOCK / Self::MINI).pow(2) * Self::MINI_WORDS;
+
+    /// The module of a voxel: that of the skew, with mini-blocks of the mini-block's coordinates.
+    pub fn module(&self, xyz: [usize; 3]) -> usize {
+        self.module_wires(xyz, &mut ())
+    }
+
+    /// [`Placement::module`], and what its wires carry.
+    pub fn module_wires(&self, xyz: [usize; 3], probe: &mut impl Probe) -> usize {
+        let side = if self.layout == Layout::MiniBlocks { Self::MINI } else { 1 };
+        self.skew.module_wires(xyz.map(|i| (i / side) as i64), probe)
+    }
+
+    /// Voxels along x, y, z of a block of mini-blocks: `lanes` mini-blocks along x, four along y and z.
+    fn mini_block(&self) -> [usize; 3] {
+        [Self::MINI * self.skew.lanes, Self::BLOCK, Self::BLOCK]
+    }
+
+    /// Blocks of mini-blocks along x, y, z.
+    fn mini_blocks(&self) -> [usize; 3] {
+        let block = self.mini_block();
+        [0, 1, 2].map(|axis| self.dims[axis].div_ceil(block[axis]))
+    }
+
+    /// With mini-blocks, which block along an axis a coordinate is in: the sum over the axes, modulo the banks, is the bank.
+    pub fn block(&self, axis: usize, coordinate: usize) -> usize {
+        coordinate / self.mini_block()[axis]
+    }
+
+    /// With mini-blocks, what a coordinate adds to the word of its bank, of `banks`. Along x every `banks`th block is in a bank, and these
+    /// are numbered without gaps: blocks of a bank behind one another, 128 words each.
+    pub fn bank_term(&self, axis: usize, coordinate: usize, banks: usize) -> usize {
+        let [bx, by, _] = self.mini_blocks();
+        let block = self.block(axis, coordinate);
+        let number = [block / banks, block * bx.div_ceil(banks), block * bx.div_ceil(banks) * by][axis];
+        number * Self::MINI_BLOCK_WORDS + self.word_in_block(axis, coordinate)
+    }
+
+    /// What a coordinate adds to the word within its block of mini-blocks: those of a mini-block side by side, of mini-blocks along y,
+    /// then z. Along x a block has one mini-block of each module.
+    fn word_in_block(&self, axis: usize, coordinate: usize) -> usize {
+        let (side, mini) = (Self::BLOCK / Self::MINI, coordinate / Self::MINI);
+        let voxel = coordinate % Self::MINI * Self::MINI.pow(axis as u32);
+        voxel + Self::MINI_WORDS * [0, mini % side, mini % side * side][axis]
+    }
 
     /// Words of a module along x, y and z: those of a row of voxels, rows, planes.
     pub fn extent(&self) -> [usize; 3] {
@@ -87,7 +137,8 @@ impl Placement {
     /// What a coordinate adds to the address. The address of a voxel is the sum over its three.
     ///
     /// Rows: `x' + n_x'·(y + n_y·z)`, with x' the word within the row. Blocks of B_x·B_y·B_z words, B the smaller of 8 and the
-    /// extent: the block's number times its words, and then the same formula within the block.
+    /// extent: the block's number times its words, and then the same formula within the block. Mini-blocks: the block's number times 128,
+    /// and the word within the block.
     pub fn term(&self, axis: usize, coordinate: usize) -> usize {
         let (index, extent) = (self.index(axis, coordinate), self.extent());
         let weight = |sides: [usize; 3]| -> usize { sides[..axis].iter().product() };
@@ -98,6 +149,10 @@ impl Placement {
                 let blocks = [0, 1, 2].map(|a| extent[a].div_ceil(block[a]));
                 let words: usize = block.iter().product();
                 index / block[axis] * weight(blocks) * words + index % block[axis] * weight(block)
+            }
+            Layout::MiniBlocks => {
+                let number = self.block(axis, coordinate) * weight(self.mini_blocks());
+                number * Self::MINI_BLOCK_WORDS + self.word_in_block(axis, coordinate)
             }
         }
     }
@@ -116,13 +171,14 @@ impl Placement {
         address
     }
 
-    /// Words of each module.
+    /// Words of each module, blocks filled up to whole ones.
     pub fn words(&self) -> usize {
-        let side = |n: usize| match self.layout {
-            Layout::Rows => n,
-            Layout::Blocks => n.next_multiple_of(n.clamp(1, Self::BLOCK)),
-        };
-        self.extent().map(side).iter().product()
+        let extent = self.extent();
+        match self.layout {
+            Layout::Rows => extent.iter().product(),
+            Layout::Blocks => extent.iter().map(|n| n.next_multiple_of((*n).clamp(1, Self::BLOCK))).product(),
+            Layout::MiniBlocks => self.mini_blocks().iter().product::<usize>() * Self::MINI_BLOCK_WORDS,
+        }
     }
 }
 

@@ -86,8 +86,8 @@ impl FrameBuffer {
         }
         let term = |axis: usize, i: usize| {
             let mut xyz = [0; 3];
-            xyz[axis] = i as i64;
-            Term { address: placement.term(axis, i), module: skew.module(xyz) }
+            xyz[axis] = i;
+            Term { address: placement.term(axis, i), module: placement.module(xyz) }
         };
         let terms: [Vec<Term>; 3] = [0, 1, 2].map(|axis| (0..dims[axis]).map(|i| term(axis, i)).collect());
         let modules = vec![0; words * skew.lanes];
@@ -225,6 +225,7 @@ mod tests {
     use super::*;
     use bitvec::prelude::*;
     use proptest::prelude::*;
+    use proptest::sample::select;
 
     /// Serves voxels by modules as the hardware would: in each cycle a mask of modules that are taken.
     fn served(skew: &Skew, start: [i64; 3], step: [i64; 3], count: usize) -> usize {
@@ -283,9 +284,9 @@ mod tests {
         #[test]
         fn no_two_voxels_of_a_module_share_an_address(
             dims in [1_usize..30, 1_usize..20, 1_usize..20], lanes in 1_usize..12, coefficients in [-3_i64..4, -3_i64..4, -3_i64..4],
-            blocks: bool,
+            layout in select(Layout::ALL.to_vec()),
         ) {
-            let layout = if blocks { Layout::Blocks } else { Layout::Rows };
+            prop_assume!(layout.takes(coefficients, lanes));
             let placement = Placement { skew: Skew { coefficients, lanes }, layout, dims };
             let words = placement.words();
             let buffer = FrameBuffer::with_layout(placement.skew, layout, dims, &vec![0; dims.iter().product()]).unwrap();
@@ -294,18 +295,55 @@ mod tests {
                 let xyz = [place % dims[0], place / dims[0] % dims[1], place / dims[0] / dims[1]];
                 let address = placement.address(xyz);
                 prop_assert!(address < words);
-                let module = placement.skew.module(xyz.map(|i| i as i64));
+                let module = placement.module(xyz);
                 prop_assert_eq!(buffer.module_and_address(xyz), [module, address]);
                 prop_assert!(!taken.replace(module * words + address, true));
+            }
+        }
+
+        /// The eight voxels of a mini-block are words 8·m to 8·m + 7 of one module, x fastest; each run of `lanes` mini-blocks along x meets each
+        /// module once; a module has 128 words of a block side by side; neighbouring blocks are in different banks, and the words of a bank
+        /// are no others'.
+        #[test]
+        fn mini_blocks_lie_side_by_side_and_blocks_round_the_banks(
+            dims in [1_usize..40, 1_usize..30, 1_usize..30], lanes in 1_usize..8, coefficients in [-3_i64..4, -3_i64..4, -3_i64..4],
+            banks in select(vec![1_usize, 2, 4, 16]),
+        ) {
+            prop_assume!(Layout::MiniBlocks.takes(coefficients, lanes));
+            let placement = Placement { skew: Skew { coefficients, lanes }, layout: Layout::MiniBlocks, dims };
+            let sides = [2 * lanes, 8, 8];
+            let mut of_bank = std::collections::HashMap::new();
+            for place in 0..dims.iter().product() {
+                let xyz = [place % dims[0], place / dims[0] % dims[1], place / dims[0] / dims[1]];
+                let (module, address) = (placement.module(xyz), placement.address(xyz));
+                let first = xyz.map(|i| i / 2 * 2);
+                prop_assert_eq!(placement.module(first), module);
+                prop_assert_eq!(placement.address(first) % 8, 0);
+                prop_assert_eq!(address - placement.address(first), xyz[0] % 2 + 2 * (xyz[1] % 2) + 4 * (xyz[2] % 2));
+                let corner = [0, 1, 2].map(|axis| xyz[axis] / sides[axis] * sides[axis]);
+                prop_assert_eq!(address / 128, placement.address(corner) / 128);
+                for ahead in 1..lanes {
+                    prop_assert!(placement.module([xyz[0] + 2 * ahead, xyz[1], xyz[2]]) != module);
+                }
+                let bank = |xyz: [usize; 3]| (0..3).map(|axis| placement.block(axis, xyz[axis])).sum::<usize>() % banks;
+                for (axis, side) in sides.into_iter().enumerate() {
+                    let mut next = xyz;
+                    next[axis] += side;
+                    prop_assert!(banks == 1 || bank(next) != bank(xyz));
+                }
+                let word: usize = (0..3).map(|axis| placement.bank_term(axis, xyz[axis], banks)).sum();
+                prop_assert_eq!(word % 128, address % 128);
+                let before = of_bank.insert((module, bank(xyz), word), address);
+                prop_assert_eq!(before, None);
             }
         }
 
         #[test]
         fn every_voxel_has_its_own_place_and_comes_back(
             dims in [1_usize..11, 1_usize..11, 1_usize..11], lanes in 1_usize..10, coefficients in [-3_i64..4, -3_i64..4, -3_i64..4],
-            order in Just([0_usize, 1, 2]).prop_shuffle(), reversed: [bool; 3], blocks: bool,
+            order in Just([0_usize, 1, 2]).prop_shuffle(), reversed: [bool; 3], layout in select(Layout::ALL.to_vec()),
         ) {
-            let layout = if blocks { Layout::Blocks } else { Layout::Rows };
+            prop_assume!(layout.takes(coefficients, lanes));
             let voxels: Vec<u16> = (1..=dims.iter().product::<usize>() as u16).collect();
             let skew = Skew { coefficients, lanes };
             let buffer = FrameBuffer::with_layout(skew, layout, dims, &voxels).unwrap();

@@ -6,14 +6,31 @@
 //!                  ──► module n−1                                        ┘
 //! ```
 //! [`MemoryModel`](cube3_host::MemoryModel) is the table of constraints, [`Timing`] the table at a clock, [`Module`] the controller of one module,
-//! [`Modules`] all of them under the scan of the frame buffer.
+//! [`Modules`] all of them under the scan of the frame buffer, [`BlockModules`] all of them with mini-blocks, which go through a reorder buffer.
 
+mod activates;
 mod array;
+mod blocks;
+mod bus;
+mod chooser;
+mod counters;
 mod module;
+#[cfg(test)]
+mod oracle;
+#[cfg(test)]
+mod outside;
+mod rows;
+mod supply;
 #[cfg(test)]
 mod tests;
 mod timing;
 
 pub use array::{MemoryState, Modules};
-pub use module::{MemoryCounters, Module, Served};
+pub use blocks::{BlockModules, BlockState, ReorderCounters, ReorderError, reorder_words};
+use chooser::Chooser;
+pub use counters::MemoryCounters;
+pub use module::{Module, Served};
+pub use rows::ReorderNeed;
+pub use supply::Supply;
+pub(crate) use supply::SupplyState;
 pub use timing::{Place, Timing};

@@ -6,6 +6,10 @@
 //!
 //! Words come in voxel order, x fastest, then y, then z, each volume behind the one before. A module takes one word in a cycle,
 //! so a cycle takes a *group*: as many words as a row along x meets modules. A source that is faster is held back.
+//!
+//! Of mini-blocks two neighbours along x are in one module. The port has two groups at hand and writes the first voxel of each pair of both in
+//! one cycle and the second in the next, so that it takes a group a cycle there, too. A word that is written is written into the reorder
+//! buffer as well, where its mini-block is there: a beam shows what is in the modules when it is sent.
 
 use std::ops::Range;
 

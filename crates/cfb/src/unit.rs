@@ -5,10 +5,10 @@
 //! ```
 
 use crate::golden::Skew;
-use crate::memory::{MemoryCounters, MemoryState, Modules};
+use crate::memory::{MemoryCounters, ReorderCounters, Supply, SupplyState};
 use crate::{AcquisitionPort, FrameBuffer, PortSpec};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, Reason};
-use cube3_host::{FrameSetup, Geometry, MachineSpec, RaySlots};
+use cube3_host::{FrameSetup, Geometry, Layout, MachineSpec, RaySlots};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -95,8 +95,11 @@ pub struct CfbSpec {
     pub rows: u64,
     /// Cycles of a beam without conflicts: ⌈n_u / lanes⌉ for each row.
     pub beam_cycles: u64,
-    /// Further cycles of a beam, in which modules serve voxels that share one.
+    /// Further cycles of a beam, in which modules serve voxels that share one; none with mini-blocks, whose reorder buffer gives any `lanes`
+    /// voxels in a cycle.
     pub conflict_cycles: u64,
+    /// Voxels of a row that a cycle gives.
+    pub lanes: usize,
 }
 
 impl CfbSpec {
@@ -104,9 +107,13 @@ impl CfbSpec {
     pub fn new(machine: &MachineSpec, geometry: &Geometry) -> CfbSpec {
         let skew = Skew { coefficients: machine.cfb.skew, lanes: machine.lanes };
         let beam_cycles = geometry.size[0].div_ceil(machine.lanes) as u64;
-        let all = skew.beam_cycles(geometry.axes.axis[0], geometry.size[0]) as u64;
+        let all = match machine.cfb.layout {
+            Layout::Rows | Layout::Blocks => skew.beam_cycles(geometry.axes.axis[0], geometry.size[0]) as u64,
+            Layout::MiniBlocks => beam_cycles,
+        };
         let rows = if geometry.doubled() { 2 } else { 1 };
-        CfbSpec { rows, beam_cycles: rows * beam_cycles, conflict_cycles: rows * (all - beam_cycles) }
+        let lanes = machine.lanes;
+        CfbSpec { rows, beam_cycles: rows * beam_cycles, conflict_cycles: rows * (all - beam_cycles), lanes }
     }
 
     /// Cycles of a beam, or of a padded plane's depth outside of the volume, that waits for nothing.
@@ -122,7 +129,7 @@ pub struct CfbUnit<F> {
     specs: Vec<CfbSpec>,
     memory: F,
     /// Modules that do not give any word in any cycle.
-    modules: Option<Modules>,
+    modules: Option<Supply>,
     port: Option<AcquisitionPort>,
     /// Frames that begin a picture; each does where there are none.
     pictures: Vec<u32>,
@@ -135,7 +142,7 @@ pub struct CfbUnit<F> {
 struct State {
     scan: Scan,
     fetched: u64,
-    modules: Option<MemoryState>,
+    modules: Option<SupplyState>,
 }
 
 /// A place in the scan of the frames.
@@ -188,7 +195,7 @@ impl<F: Fetch> CfbUnit<F> {
     }
 
     /// With modules that take their time.
-    pub fn with_modules(mut self, modules: Option<Modules>) -> CfbUnit<F> {
+    pub fn with_modules(mut self, modules: Option<Supply>) -> CfbUnit<F> {
         self.state.modules = modules.as_ref().map(|modules| modules.start(self.specs.len()));
         self.modules = modules;
         self
@@ -287,11 +294,13 @@ impl<F: Fetch> CfbUnit<F> {
         if last && !beams.can_push() {
             return Activity::Blocked;
         }
-        if let Some(modules) = &mut self.state.modules {
-            if let Some(activity) = modules.waits() {
+        if let (Some(modules), Some(state)) = (&self.modules, &mut self.state.modules) {
+            if let Some(activity) = modules.take(state, &setup.geometry, &spec, &self.state.scan) {
                 return activity;
             }
-            modules.take();
+            if last {
+                modules.end_beam(state, &setup.geometry, &self.state.scan);
+            }
         }
         self.state.scan.spent += 1;
         if last && let Some(beam) = beams.push_slot() {
@@ -324,7 +333,12 @@ impl<F: Fetch> CfbUnit<F> {
 
     /// What the modules have done, by frame, summed over the modules; nothing where they give any word in any cycle.
     pub fn memory_counters(&self) -> &[MemoryCounters] {
-        self.state.modules.as_ref().map_or(&[], MemoryState::counters)
+        self.state.modules.as_ref().map_or(&[], SupplyState::counters)
+    }
+
+    /// What the reorder buffer has done, where modules read mini-blocks.
+    pub fn reorder_counters(&self) -> Option<ReorderCounters> {
+        self.state.modules.as_ref().and_then(SupplyState::reorder)
     }
 
     /// What the unit did with its cycles.

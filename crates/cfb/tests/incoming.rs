@@ -30,7 +30,7 @@ fn voxels(buffer: &FrameBuffer) -> Vec<u16> {
 
 #[test]
 fn words_that_come_in_are_there_at_once_and_the_others_stay() {
-    for layout in [Layout::Rows, Layout::Blocks] {
+    for layout in Layout::ALL {
         let mut buffer = buffer(layout);
         let incoming: Vec<Vec<u16>> = vec![(100..130).collect(), (200..230).collect()];
         buffer.receive(incoming, false);

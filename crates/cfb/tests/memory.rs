@@ -1,6 +1,6 @@
 //! The frame buffer with memory modules that take their time: frame rates, waits by reason, clocks.
 
-use cube3_cfb::memory::{MemoryCounters, Modules};
+use cube3_cfb::memory::{MemoryCounters, Supply};
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, NoVoxels};
 use cube3_channel::{Account, Channel, Reason};
 use cube3_host::{Cfb, FrameSetup, Layout, MachineSpec, MemoryType, VolumeInfo, frame_setup};
@@ -27,7 +27,7 @@ fn machine(lanes: usize, clock_hz: f64, memory: MemoryType, layout: Layout) -> M
 /// Runs frames against a bus that takes every beam; cycles, account, and what the modules did in all frames.
 fn run(machine: &MachineSpec, setup: FrameSetup, frames: usize) -> (u64, Account, MemoryCounters) {
     let specs = vec![CfbSpec::new(machine, &setup.geometry); frames];
-    let modules = Modules::new(machine, setup.geometry.dims());
+    let modules = Supply::new(machine, std::slice::from_ref(&setup)).unwrap();
     let mut cfb = CfbUnit::new(specs, NoVoxels).with_modules(modules);
     let setups = vec![setup; frames];
     let mut beams = Channel::<Beam<()>>::new("beams", 4, 2).unwrap();

@@ -6,6 +6,7 @@
 
 mod axes;
 mod classification;
+mod controller;
 mod ends;
 mod fan;
 mod geometry;
@@ -24,6 +25,7 @@ mod warp;
 
 pub use axes::{Axes, CanonicalView, canonical};
 pub use classification::OpacityEntries;
+pub use controller::{BankHash, BankHashRow, BurstOrder, ControllerKind, LookAheadFreed, LookAheadUnit};
 pub use ends::{EndRegisters, whole_step_opacity};
 pub use fan::{Fan, FanShape};
 pub use geometry::{DiscreteRay, Geometry, RaySlots};

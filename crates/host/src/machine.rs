@@ -1,6 +1,8 @@
 //! The machine as data: everything that an architect may change, with a unit and a source.
 
-use crate::{ConeOrder, MemoryModel, RaySlots, TemplateRule};
+use crate::{
+    BankHash, BurstOrder, ConeOrder, ControllerKind, LookAheadFreed, LookAheadUnit, MemoryModel, RaySlots, TemplateRule,
+};
 use cube3_word::Words;
 use serde::{Deserialize, Serialize};
 
@@ -203,6 +205,30 @@ pub struct Cfb {
     pub memory_clock_hz: Option<f64>,
     /// Where a voxel lies in its module.
     pub layout: Layout,
+    /// In which bank a row of a module lies.
+    pub bank_hash: BankHash,
+    /// Words that a read brings: a length that the memory has, and that of the table where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub burst_words: Option<usize>,
+    /// The order of a burst that starts at the word asked for; for memories that have a choice, and that of the table where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub burst_order: Option<BurstOrder>,
+    /// Words or bursts of a module that are asked for ahead, the one that the scan waits for included: 1 to 64; as many as in the table
+    /// where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub look_ahead: Option<usize>,
+    /// What the look-ahead counts.
+    pub look_ahead_unit: LookAheadUnit,
+    /// When a place of the look-ahead is free again.
+    pub look_ahead_freed: LookAheadFreed,
+    /// In which order a module serves the words that it is asked for.
+    pub controller: ControllerKind,
+    /// Words among which a controller that reorders chooses: 1 to the look-ahead, and the look-ahead where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window: Option<usize>,
+    /// Voxel words of the reorder buffer behind modules that read mini-blocks: 8 to 2^36. As many as the view needs where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reorder_words: Option<u64>,
 }
 
 /// Rows of the table of memory modules; the numbers are in [`crate::MemoryModel`].
@@ -232,6 +258,21 @@ pub enum Layout {
     /// Blocks of up to 8 × 8 × 8 words of a module behind one another, so that a walk along any axis stays in a row of the memory
     /// for some words. Along x, a module has a word of every `lanes` voxels.
     Blocks,
+    /// Mini-blocks of 2 × 2 × 2 voxels side by side in one module, which are read whole: mini-block (i, j, k) is in module
+    /// (a·i + b·j + c·k) mod lanes, a without a factor in common with the lanes. Blocks of 2·lanes × 8 × 8 voxels are 128 words of each module.
+    /// After Pfister et al. 1999 and Osborne et al. 1997.
+    MiniBlocks,
+}
+
+impl Layout {
+    /// Every layout, in the order of their numbers in vectors.
+    pub const ALL: [Layout; 3] = [Layout::Rows, Layout::Blocks, Layout::MiniBlocks];
+
+    /// Whether modules can hold a volume in this layout: with mini-blocks each run of `lanes` of them along x has to meet every module.
+    pub fn takes(self, skew: [i64; 3], lanes: usize) -> bool {
+        let lanes = lanes as i64;
+        self != Layout::MiniBlocks || (1..lanes).all(|i| skew[0] * i % lanes != 0)
+    }
 }
 
 /// The 2-D skewed buffers.
@@ -415,7 +456,21 @@ impl Default for Rays {
 
 impl Default for Cfb {
     fn default() -> Self {
-        Cfb { skew: [1, 1, 1], memory: MemoryType::Ideal, memory_clock_hz: None, layout: Layout::Rows }
+        Cfb {
+            skew: [1, 1, 1],
+            memory: MemoryType::Ideal,
+            memory_clock_hz: None,
+            layout: Layout::Rows,
+            bank_hash: BankHash::default(),
+            burst_words: None,
+            burst_order: None,
+            look_ahead: None,
+            look_ahead_unit: LookAheadUnit::default(),
+            look_ahead_freed: LookAheadFreed::default(),
+            controller: ControllerKind::default(),
+            window: None,
+            reorder_words: None,
+        }
     }
 }
 
@@ -599,6 +654,31 @@ impl MachineSpec {
             format!("{skew:?}"),
             "outside −4096 to 4096",
         )?;
+        check(
+            self.cfb.layout.takes(skew, self.lanes),
+            "cfb.skew",
+            format!("{skew:?}"),
+            "not for cfb.layout = \"mini-blocks\": its first coefficient shares a factor with the lanes; choose another skew or layout",
+        )?;
+        check(
+            self.cfb.layout != Layout::MiniBlocks || self.cfb.controller == ControllerKind::InOrder,
+            "cfb.controller",
+            "\"fr-fcfs\"".into(),
+            "not for cfb.layout = \"mini-blocks\": their rows are read in order; leave it \"in-order\", or choose another layout",
+        )?;
+        let reorder = self.cfb.reorder_words;
+        check(
+            reorder.is_none_or(|words| (8..=1 << 36).contains(&words)),
+            "cfb.reorder_words",
+            reorder.unwrap_or_default().to_string(),
+            "outside 8 to 2^36",
+        )?;
+        check(
+            reorder.is_none() || self.cfb.layout == Layout::MiniBlocks,
+            "cfb.reorder_words",
+            reorder.unwrap_or_default().to_string(),
+            "only for cfb.layout = \"mini-blocks\": other layouts are read in the order of the beams; leave it out",
+        )?;
         check((1..=64).contains(&self.dsb.planes), "dsb.planes", self.dsb.planes.to_string(), "outside 1 to 64")?;
         let power_top = 11.min(self.words.normal_bits - 1);
         let power = self.abc.power_bits;
@@ -661,7 +741,22 @@ impl MachineSpec {
             check(good, key, value.unwrap_or_default().to_string(), "outside 0.001 to 10^9 in a cycle")
         };
         clock("cfb.memory_clock_hz", self.cfb.memory_clock_hz)?;
-        let (model, memory_clock) = (MemoryModel::of(self.cfb.memory), self.memory_clock_hz());
+        let kind = MemoryModel::of(self.cfb.memory);
+        count("cfb.look_ahead", self.cfb.look_ahead, MemoryModel::MOST_AHEAD, "outside 1 to 64")?;
+        check(
+            self.cfb.burst_words.is_none_or(|words| kind.burst_lengths.contains(&words)),
+            "cfb.burst_words",
+            self.cfb.burst_words.unwrap_or_default().to_string(),
+            "not a burst of cfb.memory: sdram has bursts of 1, 2, 4 and 8 words, hbm of 16, the others of 1",
+        )?;
+        check(
+            self.cfb.burst_order.is_none() || kind.burst_order.is_some(),
+            "cfb.burst_order",
+            format!("{:?}", self.cfb.burst_order.map_or("", BurstOrder::name)),
+            "no choice of cfb.memory: only bursts of sdram start at the word asked for; leave it out",
+        )?;
+        let (model, memory_clock) = (MemoryModel::of_machine(&self.cfb), self.memory_clock_hz());
+        count("cfb.window", self.cfb.window, model.look_ahead, "outside 1 to cfb.look_ahead")?;
         check(
             model.refreshes_in_time(memory_clock),
             "cfb.memory_clock_hz",
@@ -726,11 +821,42 @@ mod tests {
             error("clock_hz = 1.0\n[cfb]\nmemory = \"sdram\""),
             "m.toml: cfb.memory_clock_hz = 133000000 is above 65536 ticks in a cycle of clock_hz"
         );
+        let cfb = |text: &str| error(&format!("[cfb]\n{text}"));
+        assert_eq!(cfb("look_ahead = 65"), "m.toml: cfb.look_ahead = 65 is outside 1 to 64");
+        assert_eq!(cfb("look_ahead = 0"), "m.toml: cfb.look_ahead = 0 is outside 1 to 64");
+        assert_eq!(cfb("memory = \"sdram\"\nwindow = 9"), "m.toml: cfb.window = 9 is outside 1 to cfb.look_ahead");
+        assert!(
+            cfb("memory = \"sdram\"\nburst_words = 3").starts_with("m.toml: cfb.burst_words = 3 is not a burst of ")
+        );
+        assert!(cfb("memory = \"hbm\"\nburst_words = 4").starts_with("m.toml: cfb.burst_words = 4 is not a burst of "));
+        assert!(
+            cfb("memory = \"hbm\"\nburst_order = \"sequential\"")
+                .starts_with("m.toml: cfb.burst_order = \"sequential\" is no choice of cfb.memory: ")
+        );
+        assert!(cfb("bank_hash = \"sum\"").starts_with("m.toml:2: "));
         assert_eq!(
             error("[words]\nnormal_bits = 4\n[abc]\npower_bits = 3"),
             "m.toml: abc.root_bits = 8 is outside 4 to 10, or above 2·(words.normal_bits − 1)"
         );
         assert_eq!(error("[words]\nvoxel_bits = 40"), "m.toml: words.voxel_bits = 40 is outside 1 to 16");
+        let mini = "lanes = 6\n[cfb]\nlayout = \"mini-blocks\"\n";
+        assert!(MachineSpec::from_toml(&format!("{mini}skew = [-5, 3, 2]\nreorder_words = 8"), "m.toml").is_ok());
+        assert_eq!(
+            error(&format!("{mini}skew = [3, 1, 1]")),
+            "m.toml: cfb.skew = [3, 1, 1] is not for cfb.layout = \"mini-blocks\": its first coefficient shares a factor with the lanes; \
+             choose another skew or layout"
+        );
+        assert_eq!(
+            error(&format!("{mini}memory = \"sdram\"\ncontroller = \"fr-fcfs\"")),
+            "m.toml: cfb.controller = \"fr-fcfs\" is not for cfb.layout = \"mini-blocks\": their rows are read in order; leave it \"in-order\", \
+             or choose another layout"
+        );
+        assert_eq!(error(&format!("{mini}reorder_words = 7")), "m.toml: cfb.reorder_words = 7 is outside 8 to 2^36");
+        assert_eq!(
+            error("[cfb]\nreorder_words = 4096"),
+            "m.toml: cfb.reorder_words = 4096 is only for cfb.layout = \"mini-blocks\": other layouts are read in the order of the beams; \
+             leave it out"
+        );
         assert!(error("[abc]\ngradient = \"7\"").starts_with("m.toml:2: "));
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! A module is a row of data. The controller in `cube3_cfb` knows commands and constraints, and no module by name.
 
-use crate::MemoryType;
+use crate::{BurstOrder, Cfb, LookAheadFreed, LookAheadUnit, MemoryType};
 
 /// What a module is told to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -36,34 +36,45 @@ pub enum Scope {
     Module,
 }
 
-/// A time: ticks of the memory clock and a time that no clock changes.
+/// A time: ticks of the memory clock, a time that no clock changes, and the rest of a burst.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Span {
     /// Ticks.
     pub ticks: u64,
     /// Picoseconds on top.
     pub picoseconds: u64,
+    /// Whether the ticks of a burst behind its first come on top.
+    pub burst: bool,
 }
 
 /// So many ticks.
 const fn ticks(ticks: u64) -> Span {
-    Span { ticks, picoseconds: 0 }
+    Span { ticks, picoseconds: 0, burst: false }
 }
 
 /// So many nanoseconds.
 const fn ns(nanoseconds: u64) -> Span {
-    Span { ticks: 0, picoseconds: 1000 * nanoseconds }
+    Span { ticks: 0, picoseconds: 1000 * nanoseconds, burst: false }
 }
 
 impl Span {
-    /// Ticks that are at least as long.
-    pub fn ceil(self, clock_hz: f64) -> u64 {
-        self.ticks + Span::exact(self.picoseconds, clock_hz).div_ceil(Span::TICK) as u64
+    /// Ticks that are at least as long, where a burst takes `burst_ticks`.
+    pub fn ceil(self, clock_hz: f64, burst_ticks: u64) -> u64 {
+        self.whole(burst_ticks) + Span::exact(self.picoseconds, clock_hz).div_ceil(Span::TICK) as u64
     }
 
-    /// Ticks that are at most as long.
-    pub fn floor(self, clock_hz: f64) -> u64 {
-        self.ticks + (Span::exact(self.picoseconds, clock_hz) / Span::TICK) as u64
+    /// Ticks that are at most as long, where a burst takes `burst_ticks`.
+    pub fn floor(self, clock_hz: f64, burst_ticks: u64) -> u64 {
+        self.whole(burst_ticks) + (Span::exact(self.picoseconds, clock_hz) / Span::TICK) as u64
+    }
+
+    /// With the rest of a burst.
+    const fn behind_burst(self) -> Span {
+        Span { burst: true, ..self }
+    }
+
+    fn whole(self, burst_ticks: u64) -> u64 {
+        self.ticks + if self.burst { burst_ticks - 1 } else { 0 }
     }
 
     /// A tick in picoseconds · millihertz.
@@ -119,6 +130,10 @@ pub struct MemoryModel {
     pub rows: Option<Rows>,
     /// Neighbouring words that a read brings, a power of 2. The last ones stay at the module's output.
     pub burst: usize,
+    /// Every length that a burst can have.
+    pub burst_lengths: &'static [usize],
+    /// The order of a burst that starts at the word asked for; none where bursts start at their first word.
+    pub burst_order: Option<BurstOrder>,
     /// Words of a burst in a tick, a power of 2.
     pub words_per_tick: usize,
     /// From the read to its first word.
@@ -150,6 +165,8 @@ const IDEAL: MemoryModel = MemoryModel {
     ports: 2,
     rows: None,
     burst: 1,
+    burst_lengths: &[1],
+    burst_order: None,
     words_per_tick: 1,
     latency: ticks(0),
     refresh_interval: None,
@@ -167,6 +184,8 @@ const VRAM: MemoryModel = MemoryModel {
     ports: 2,
     rows: None,
     burst: 1,
+    burst_lengths: &[1],
+    burst_order: None,
     words_per_tick: 1,
     latency: ticks(0),
     refresh_interval: None,
@@ -184,6 +203,8 @@ const FAST_PAGE: MemoryModel = MemoryModel {
     ports: 1,
     rows: Some(Rows { banks: 1, groups: 1, words: 1024 }),
     burst: 1,
+    burst_lengths: &[1],
+    burst_order: None,
     words_per_tick: 1,
     latency: ns(15),
     refresh_interval: Some(ns(15_625)),
@@ -208,30 +229,34 @@ const FAST_PAGE: MemoryModel = MemoryModel {
     ],
 };
 
-/// Bursts of four that nothing interrupts.
+/// Bursts that nothing interrupts.
 const SDRAM: MemoryModel = MemoryModel {
     kind: MemoryType::Sdram,
     name: "SDRAM, PC133, 16 M × 16",
-    source: "Micron MT48LC16M16A2, grade -75, table 12 (AC operating conditions); CAS latency 3 at 133 MHz and 2 at 100; bursts of 4",
+    source: "Micron MT48LC16M16A2, grade -75, table 12 (AC operating conditions); CAS latency 3 at 133 MHz and 2 at 100; lengths and orders of bursts: its burst definition table",
     clock_hz: Some(133e6),
     ports: 1,
     rows: Some(Rows { banks: 4, groups: 1, words: 512 }),
     burst: 4,
+    burst_lengths: &[1, 2, 4, 8],
+    burst_order: Some(BurstOrder::Interleaved),
     words_per_tick: 1,
     latency: ns(20),
-    refresh_interval: Some(Span { ticks: 0, picoseconds: 7_812_500 }),
+    refresh_interval: Some(Span { picoseconds: 7_812_500, ..ticks(0) }),
     column_bus: false,
     look_ahead: 8,
     constraints: &[
         after("tRCD", Activate, Read, Bank, ns(20)),
         after("tRCD", Activate, Write, Bank, ns(20)),
-        after("burst", Read, Read, Module, ticks(4)),
-        after("burst", Write, Write, Module, ticks(4)),
+        // tCCD is a tick.
+        after("burst", Read, Read, Module, ticks(1).behind_burst()),
+        after("burst", Write, Write, Module, ticks(1).behind_burst()),
         // The burst leaves after the CAS latency, and the bus turns round in a tick.
-        after("burst", Read, Write, Module, Span { ticks: 5, picoseconds: 20_000 }),
-        after("tCDL", Write, Read, Module, ticks(4)),
-        after("burst", Read, Precharge, Bank, ticks(4)),
-        after("tWR", Write, Precharge, Bank, Span { ticks: 3, picoseconds: 15_000 }),
+        after("burst", Read, Write, Module, Span { ticks: 2, ..ns(20) }.behind_burst()),
+        after("tCDL", Write, Read, Module, ticks(1).behind_burst()),
+        // CL − 1 ticks before the last word is out.
+        after("burst", Read, Precharge, Bank, ticks(1).behind_burst()),
+        after("tWR", Write, Precharge, Bank, ns(15).behind_burst()),
         after("tRAS", Activate, Precharge, Bank, ns(44)),
         after("tRP", Precharge, Activate, Bank, ns(20)),
         after("tRP", Precharge, Refresh, Module, ns(20)),
@@ -252,6 +277,8 @@ const HBM: MemoryModel = MemoryModel {
     ports: 1,
     rows: Some(Rows { banks: 16, groups: 4, words: 512 }),
     burst: 16,
+    burst_lengths: &[16],
+    burst_order: None,
     words_per_tick: 8,
     latency: ns(14),
     refresh_interval: Some(ns(3900)),
@@ -271,7 +298,7 @@ const HBM: MemoryModel = MemoryModel {
         after("tWTRL", Write, Read, Group, ticks(10)),
         after("tRTP", Read, Precharge, Bank, ns(14)),
         // CWL + burst + tWR.
-        after("tWR", Write, Precharge, Bank, Span { ticks: 6, picoseconds: 16_000 }),
+        after("tWR", Write, Precharge, Bank, Span { ticks: 6, ..ns(16) }),
         after("tRAS", Activate, Precharge, Bank, ns(34)),
         after("tRP", Precharge, Activate, Bank, ns(14)),
         after("tRP", Precharge, Refresh, Module, ns(14)),
@@ -290,7 +317,13 @@ impl MemoryModel {
     pub const TABLE: [MemoryModel; 5] = [IDEAL, VRAM, FAST_PAGE, SDRAM, HBM];
 
     /// Most words that a module can be asked for ahead.
-    pub const MOST_AHEAD: usize = 8;
+    pub const MOST_AHEAD: usize = 64;
+
+    /// Most banks of a module.
+    pub const MOST_BANKS: usize = 16;
+
+    /// Most groups of banks.
+    pub const MOST_GROUPS: usize = 4;
 
     /// Most ticks of a memory clock in a pipeline cycle.
     pub const MOST_TICKS: f64 = 65_536.0;
@@ -306,14 +339,71 @@ impl MemoryModel {
         }
     }
 
+    /// The model with the bursts and the look-ahead that a machine gives it.
+    pub fn of_machine(cfb: &Cfb) -> MemoryModel {
+        let model = *MemoryModel::of(cfb.memory);
+        MemoryModel {
+            burst: cfb.burst_words.unwrap_or(model.burst),
+            burst_order: model.burst_order.map(|order| cfb.burst_order.unwrap_or(order)),
+            look_ahead: cfb.look_ahead.unwrap_or(model.look_ahead),
+            ..model
+        }
+    }
+
+    /// Words of a module that can have been asked for and not been taken.
+    pub fn words_held(cfb: &Cfb) -> usize {
+        let model = MemoryModel::of_machine(cfb);
+        let of_unit = match cfb.look_ahead_unit {
+            LookAheadUnit::Words => 1,
+            LookAheadUnit::Bursts => model.burst,
+        };
+        let behind = match cfb.look_ahead_freed {
+            LookAheadFreed::Word => 1,
+            LookAheadFreed::Column => 2,
+        };
+        model.look_ahead * of_unit * behind
+    }
+
+    /// Ticks in which the words of a burst leave.
+    pub fn burst_ticks(&self) -> u64 {
+        self.burst.div_ceil(self.words_per_tick) as u64
+    }
+
+    /// Whether a controller knows a constraint. It looks from activates to all but refreshes in the same bank, from reads and writes to
+    /// precharges in the same bank, from precharges to activates in it; between reads and writes, and between activates, in the group and
+    /// the module, there to the `nth` last activate too; and around refreshes in the module.
+    pub fn known(constraint: &Constraint) -> bool {
+        let &Constraint { from, to, scope, nth, .. } = constraint;
+        let column = |command| matches!(command, Read | Write);
+        let known = match scope {
+            Bank => match from {
+                Activate => to != Refresh,
+                Precharge => to == Activate,
+                _ => column(from) && to == Precharge,
+            },
+            Group => column(from) && column(to) || from == Activate && to == Activate,
+            Module => match to {
+                Activate => matches!(from, Activate | Refresh),
+                Refresh => matches!(from, Activate | Precharge | Refresh),
+                _ => column(from) && column(to),
+            },
+        };
+        known && (nth == 1 || nth > 1 && scope == Module && from == Activate && to == Activate)
+    }
+
     /// Whether refreshes at a clock leave most of the time to reads: an interval has to hold the closing, the refresh and a row cycle
     /// four times.
     pub fn refreshes_in_time(&self, clock_hz: f64) -> bool {
         let longest = |to| {
-            self.constraints.iter().filter(|c| c.to == to).map(|c| c.span.ceil(clock_hz)).max().unwrap_or_default()
+            self.constraints
+                .iter()
+                .filter(|c| c.to == to)
+                .map(|c| c.span.ceil(clock_hz, self.burst_ticks()))
+                .max()
+                .unwrap_or_default()
         };
         let once: u64 = Command::ALL.map(longest).iter().sum();
-        self.refresh_interval.is_none_or(|interval| interval.floor(clock_hz) >= 4 * once)
+        self.refresh_interval.is_none_or(|interval| interval.floor(clock_hz, 1) >= 4 * once)
     }
 }
 
@@ -327,9 +417,12 @@ mod tests {
             assert_eq!(*MemoryModel::of(model.kind), model);
             assert!(model.burst.is_power_of_two() && model.words_per_tick.is_power_of_two());
             assert!((1..=MemoryModel::MOST_AHEAD).contains(&model.look_ahead));
+            assert!(model.burst_lengths.contains(&model.burst));
+            assert!(model.constraints.iter().all(MemoryModel::known), "{}", model.name);
             if let Some(rows) = model.rows {
                 assert!([rows.banks, rows.groups, rows.words].iter().all(|n| n.is_power_of_two()));
-                assert!(rows.groups <= rows.banks && model.burst <= rows.words);
+                assert!(rows.groups <= rows.banks && model.burst_lengths.iter().all(|&burst| burst <= rows.words));
+                assert!(rows.banks <= MemoryModel::MOST_BANKS && rows.groups <= MemoryModel::MOST_GROUPS);
             }
             assert_eq!(model.rows.is_some(), model.refresh_interval.is_some());
             assert!(model.clock_hz.is_none_or(|clock| model.refreshes_in_time(clock)));
@@ -339,9 +432,11 @@ mod tests {
     #[test]
     fn a_time_becomes_the_next_whole_tick_and_an_interval_the_one_before() {
         // Micron's example: tRCD of 20 ns at 125 MHz is 2.5 clocks, rounded to 3.
-        assert_eq!((ns(20).ceil(125e6), ns(20).floor(125e6)), (3, 2));
-        assert_eq!(ns(20).ceil(100e6), 2, "whole already");
-        assert_eq!(Span { ticks: 3, picoseconds: 15_000 }.ceil(133e6), 5);
-        assert_eq!(Span { ticks: 0, picoseconds: 7_812_500 }.floor(133e6), 1039);
+        assert_eq!((ns(20).ceil(125e6, 1), ns(20).floor(125e6, 1)), (3, 2));
+        assert_eq!(ns(20).ceil(100e6, 1), 2, "whole already");
+        assert_eq!(Span { ticks: 3, ..ns(15) }.ceil(133e6, 4), 5);
+        assert_eq!(Span { picoseconds: 7_812_500, ..ticks(0) }.floor(133e6, 4), 1039);
+        // Write recovery counts from the last word of a burst.
+        assert_eq!([1, 4, 8].map(|burst| ns(15).behind_burst().ceil(133e6, burst)), [2, 5, 9]);
     }
 }

@@ -144,7 +144,8 @@ impl ResourcesReport {
 }
 
 impl TrafficReport {
-    /// Each command found its row open, closed, or another one; the bus carried no more than it can.
+    /// Each command found its row open, closed, or another one; the reorder buffer held no more than it can, and has been given every word
+    /// that was read; the bus carried no more than it can.
     fn check(&self) -> Result<(), ReportError> {
         let inconsistent = |key, found: u64, expected: u64| {
             Err(ReportError::Inconsistent { key, found: found as f64, expected: expected as f64 })
@@ -153,6 +154,14 @@ impl TrafficReport {
             let rows = memory.row_hits + memory.row_misses + memory.row_conflicts;
             if rows != memory.reads {
                 return inconsistent("traffic.memory", rows, memory.reads);
+            }
+        }
+        if let (Some(buffer), Some(memory)) = (&self.reorder, &self.memory) {
+            if buffer.peak_words > buffer.words {
+                return inconsistent("traffic.reorder.peak_words", buffer.peak_words, buffer.words);
+            }
+            if memory.words > 8 * buffer.mini_blocks {
+                return inconsistent("traffic.memory.words", memory.words, 8 * buffer.mini_blocks);
             }
         }
         if self.bus_words > self.bus_slots {

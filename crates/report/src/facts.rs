@@ -123,6 +123,11 @@ pub(crate) fn traffic(traffic: &TrafficReport) -> Vec<Fact> {
         facts.push(("Rows", format!("{open} of the reads found theirs open")));
         facts.push(("Refreshes", count(memory.refreshes)));
     }
+    if let Some(buffer) = &traffic.reorder {
+        let (peak, words) = (count(buffer.peak_words), count(buffer.words));
+        let rows = format!("{} mini-blocks in {} rows", count(buffer.mini_blocks), count(buffer.rows));
+        facts.push(("Reorder buffer", format!("{rows}, at most {peak} words of {words}")));
+    }
     let used = traffic.bus_words as f64 / traffic.bus_slots.max(1) as f64;
     facts.push(("Bus", format!("{} words, {} of what it can", count(traffic.bus_words), percentage(used))));
     if traffic.link_words > 0 {

@@ -35,7 +35,7 @@ pub use png::{png_rgb8, to_rgb8};
 pub use quantity::{count, number, percentage};
 pub use resources_report::{
     InterfaceReport, LimitWithout, LimitsReport, LinesReport, MemoryBits, MemoryTraffic, OperatorCounts,
-    OperatorsReport, ResourcesReport, TrafficReport,
+    OperatorsReport, ReorderTraffic, ResourcesReport, TrafficReport,
 };
 pub use run_report::{
     AxesReport, ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, NO_OBJECT, PassReport,

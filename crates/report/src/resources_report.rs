@@ -132,6 +132,9 @@ pub struct TrafficReport {
     /// What the memory modules did; absent where they give any word in any cycle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memory: Option<MemoryTraffic>,
+    /// What went through the reorder buffer behind them; absent where they are read by beams.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reorder: Option<ReorderTraffic>,
     /// Voxel words that the bus carried.
     pub bus_words: u64,
     /// Voxel words that its channels could have carried.
@@ -163,6 +166,19 @@ pub struct MemoryTraffic {
     pub row_conflicts: u64,
     /// Refreshes.
     pub refreshes: u64,
+}
+
+/// What went through the reorder buffer of modules that read mini-blocks of 2 × 2 × 2 voxels.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ReorderTraffic {
+    /// Voxel words that it holds.
+    pub words: u64,
+    /// Most words that were in it, or on their way there.
+    pub peak_words: u64,
+    /// Rows of mini-blocks that were read.
+    pub rows: u64,
+    /// Mini-blocks that were read.
+    pub mini_blocks: u64,
 }
 
 /// Bytes through one interface at the machine's clock.

@@ -28,6 +28,17 @@ fn a_lost_cycle_is_found_whatever_its_kind() {
 }
 
 #[test]
+fn a_reorder_buffer_holds_no_more_than_it_can_and_all_that_was_read() {
+    let buffer = |report: &mut cube3_report::RunReport| report.traffic.as_mut().unwrap().reorder.as_mut().unwrap();
+    let mut full = sample::report();
+    buffer(&mut full).peak_words = buffer(&mut full).words + 1;
+    assert!(full.check().unwrap_err().to_string().contains("traffic.reorder.peak_words"));
+    let mut lost = sample::report();
+    buffer(&mut lost).mini_blocks -= 1;
+    assert!(lost.check().unwrap_err().to_string().contains("traffic.memory.words"));
+}
+
+#[test]
 fn counters_at_their_limit_do_not_wrap_round_to_a_sound_sum() {
     let mut report = sample::report();
     let unit = &mut report.units[1];

@@ -1,7 +1,7 @@
 //! The formats of a unit: word lengths and what else its hardware is built for.
 
 use crate::expression::{ExpressionError, evaluate};
-use cube3_host::{MachineSpec, Normaliser};
+use cube3_host::{Layout, MachineSpec, Normaliser};
 use cube3_word::{Rounding, WordError, Words};
 
 /// Word lengths, and the sizes that a unit is built for. A name in an expression of a data sheet is one of these.
@@ -29,8 +29,8 @@ pub struct Format {
     pub dims: [u32; 3],
     /// Coefficients a, b, c of the skew.
     pub skew: [i64; 3],
-    /// Whether a module's words lie in blocks.
-    pub blocks: bool,
+    /// Where a voxel lies in its module.
+    pub layout: Layout,
     /// Tokens that a channel holds.
     pub capacity: u32,
     /// Cycles from push to pop of a channel.
@@ -82,7 +82,7 @@ impl Format {
             lanes: 8,
             dims: [16, 16, 16],
             skew: machine.cfb.skew,
-            blocks: machine.cfb.layout == cube3_host::Layout::Blocks,
+            layout: machine.cfb.layout,
             capacity: 4,
             latency: 2,
         }
@@ -189,6 +189,10 @@ impl Format {
             "NZ" => self.dims[2].into(),
             "SKEW_LOW" => self.skew_sum(i64::min),
             "SKEW_HIGH" => self.skew_sum(i64::max),
+            "TERM" if self.layout == Layout::MiniBlocks => {
+                let sides = [2 * self.lanes, 8, 8];
+                128 * sides.iter().zip(self.dims).map(|(&side, n)| i64::from(n.div_ceil(side))).product::<i64>()
+            }
             "TERM" => self.dims.iter().map(|&n| i64::from(n)).product::<i64>() * i64::from(self.lanes).pow(3),
             "CAPACITY" => self.capacity.into(),
             "LATENCY" => self.latency.into(),
@@ -200,7 +204,8 @@ impl Format {
 
     /// Lowest or highest sum of the skew over the volume.
     fn skew_sum(&self, end: fn(i64, i64) -> i64) -> i64 {
-        self.skew.iter().zip(self.dims).map(|(&c, n)| end(0, c * (i64::from(n) - 1))).sum()
+        let side = if self.layout == Layout::MiniBlocks { 2 } else { 1 };
+        self.skew.iter().zip(self.dims).map(|(&c, n)| end(0, c * ((i64::from(n) - 1) / side))).sum()
     }
 
     /// The blocks that the normaliser makes of gradients along an axis: `normal_bits` with the highest one, of which a gradient holds
@@ -272,8 +277,9 @@ impl Format {
                 return value <= 1;
             }
             "blocks" => {
-                self.blocks = value == 1;
-                return value <= 1;
+                let Some(&layout) = Layout::ALL.get(value as usize) else { return false };
+                self.layout = layout;
+                return true;
             }
             _ => return false,
         };
@@ -310,7 +316,7 @@ impl Format {
             ("skew_a", self.skew[0]),
             ("skew_b", self.skew[1]),
             ("skew_c", self.skew[2]),
-            ("blocks", self.blocks.into()),
+            ("blocks", self.layout as i64),
             ("capacity", self.capacity.into()),
             ("latency", self.latency.into()),
         ]
@@ -330,6 +336,8 @@ mod tests {
             assert!(format.settings().contains(&(name, value)), "{name}");
         }
         assert!(!format.set("no_such", 1) && !format.set("lanes", -1) && !format.set("nearest", 2));
+        assert!(Layout::ALL.iter().enumerate().all(|(i, &layout)| layout as usize == i));
+        assert!(format.set("blocks", 2) && format.layout == Layout::MiniBlocks && !format.set("blocks", 3));
         assert!(format.set("skew_b", -4) && format.skew[1] == -4);
     }
 

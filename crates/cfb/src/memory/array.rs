@@ -1,17 +1,20 @@
 //! All modules under the scan of the frame buffer.
 
-use super::{MemoryCounters, Module, Served, Timing};
+use super::{Chooser, MemoryCounters, Module, Served, Timing};
 use crate::golden::{Placement, Skew, gcd};
 use crate::unit::{CfbSpec, Scan, row};
 use cube3_channel::{Activity, ClockDomain, Reason};
-use cube3_host::{FrameSetup, Geometry, MachineSpec, MemoryModel, MemoryType};
+use cube3_host::{
+    ControllerKind, FrameSetup, Geometry, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryModel, MemoryType,
+};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
 /// The memory modules of a frame buffer: timing and addresses.
 ///
 /// The frame buffer reads a beam in steps, in each at most one word of each module. The scan is known, so each module is asked for
-/// the words of the next steps, `look_ahead` of them; a step is over when the slowest of its modules has given its word.
+/// the words of the next steps, `look_ahead` of them from the one that the pipeline waits for; a step is over when the slowest of its
+/// modules has given its word.
 #[derive(Clone, Debug)]
 pub struct Modules {
     timing: Timing,
@@ -19,6 +22,12 @@ pub struct Modules {
     placement: Placement,
     /// What each coordinate adds to an address, for x, y, z.
     terms: [Vec<u64>; 3],
+    unit: LookAheadUnit,
+    freed: LookAheadFreed,
+    /// Steps that can have been asked for and not taken.
+    most: usize,
+    /// Words among which a module chooses; none where it keeps their order.
+    window: Option<usize>,
 }
 
 /// Where the modules are.
@@ -31,26 +40,48 @@ pub struct MemoryState {
     /// The step that is asked for next.
     ahead: Scan,
     /// When the steps that have been asked for are over.
-    asked: VecDeque<Served>,
+    asked: VecDeque<Step>,
+    /// Steps that have been taken.
+    taken: u64,
     /// The modules; a single one stands for all as long as nothing has told them apart.
     modules: Vec<Module>,
+    /// The modules where they choose among their words.
+    choosers: Vec<Chooser>,
     /// By frame.
     counters: Vec<MemoryCounters>,
+}
+
+/// A step that has been asked for: what is known of its words, and how many have no read yet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Step {
+    served: Served,
+    missing: u32,
 }
 
 impl Modules {
     /// The modules of a machine for a volume; none where they give any word in any cycle.
     pub fn new(machine: &MachineSpec, dims: [usize; 3]) -> Option<Modules> {
-        let model = MemoryModel::of(machine.cfb.memory);
-        let clock_hz = machine.memory_clock_hz();
-        let clock = ClockDomain::from_hertz(clock_hz, machine.clock_hz);
+        let clock = ClockDomain::from_hertz(machine.memory_clock_hz(), machine.clock_hz);
         if machine.cfb.memory == MemoryType::Ideal && clock.ratio() == (1, 1) {
             return None;
         }
         let skew = Skew { coefficients: machine.cfb.skew, lanes: machine.lanes };
         let placement = Placement { skew, layout: machine.cfb.layout, dims };
         let terms = [0, 1, 2].map(|axis| (0..dims[axis]).map(|i| placement.term(axis, i) as u64).collect());
-        Some(Modules { timing: Timing::new(model, clock_hz), clock, placement, terms })
+        let cfb = &machine.cfb;
+        Some(Modules {
+            timing: Timing::of(machine),
+            clock,
+            placement,
+            terms,
+            unit: cfb.look_ahead_unit,
+            freed: cfb.look_ahead_freed,
+            most: MemoryModel::words_held(cfb),
+            window: match cfb.controller {
+                ControllerKind::InOrder => None,
+                ControllerKind::FrFcfs => Some(cfb.window.unwrap_or(MemoryModel::of_machine(cfb).look_ahead)),
+            },
+        })
     }
 
     /// The modules at the start of the first of some frames.
@@ -62,8 +93,12 @@ impl Modules {
             now: 0,
             next,
             ahead: Scan::default(),
-            asked: VecDeque::with_capacity(self.timing.look_ahead),
+            asked: VecDeque::with_capacity(self.most),
+            taken: 0,
             modules: vec![Module::new(&self.timing)],
+            choosers: self
+                .window
+                .map_or(Vec::new(), |window| vec![Chooser::new(&self.timing, window); self.placement.skew.lanes]),
             counters: vec![MemoryCounters::default(); frames],
         }
     }
@@ -72,7 +107,7 @@ impl Modules {
     #[inline]
     pub(crate) fn ask(&self, state: &mut MemoryState, frames: &[FrameSetup], specs: &[CfbSpec], released: u32) {
         let last = released.min(specs.len() as u32);
-        while state.asked.len() < self.timing.look_ahead && state.ahead.frame < last {
+        while self.room(state) && state.ahead.frame < last {
             let Scan { frame, plane, depth, spent } = state.ahead;
             let geometry = &frames[frame as usize].geometry;
             let row = row(geometry, plane, depth);
@@ -84,18 +119,54 @@ impl Modules {
             } else {
                 (row.and(geometry.row_below(plane as usize, depth as usize)), spent - half)
             };
-            let served = fetched.map(|row| self.serve(state, geometry, [row, depth as usize], step));
-            state.asked.push_back(served.unwrap_or(Served::AT_ONCE));
+            let asked = match fetched {
+                Some(row) => self.serve(state, geometry, [row, depth as usize], step),
+                None => Step { served: Served::AT_ONCE, missing: 0 },
+            };
+            state.asked.push_back(asked);
             if spent + 1 < spec.cycles(row) {
                 state.ahead.spent += 1;
             } else {
                 state.ahead.advance(geometry);
             }
         }
+        self.choose(state);
+    }
+
+    /// Whether one step more can be asked for.
+    #[inline]
+    fn room(&self, state: &MemoryState) -> bool {
+        if (self.unit, self.freed) == (LookAheadUnit::Words, LookAheadFreed::Word) {
+            return state.asked.len() < self.most;
+        }
+        let counts = |step: &&Step| match self.unit {
+            LookAheadUnit::Words => true,
+            LookAheadUnit::Bursts => step.missing > 0 || step.served.issued != Served::AT_ONCE.issued,
+        };
+        let holds = |step: &&Step| match self.freed {
+            LookAheadFreed::Word => true,
+            LookAheadFreed::Column => step.missing > 0 || step.served.issued >= state.now,
+        };
+        let counted = || state.asked.iter().filter(counts);
+        state.asked.len() < self.most
+            && counted().filter(holds).count() < self.timing.look_ahead
+            && (self.freed == LookAheadFreed::Word || counted().count() < 2 * self.timing.look_ahead)
+    }
+
+    /// Lets modules that choose issue what they issue in this pipeline cycle.
+    fn choose(&self, state: &mut MemoryState) {
+        let MemoryState { choosers, asked, taken, next, counters, .. } = state;
+        for chooser in choosers {
+            chooser.advance(&self.timing, *next, counters, |number, served| {
+                let step = &mut asked[(number - *taken) as usize];
+                step.served = step.served.and(served);
+                step.missing -= 1;
+            });
+        }
     }
 
     /// Has the modules read their words of step `step` of the beam at row `v` and plane `w`.
-    fn serve(&self, state: &mut MemoryState, geometry: &Geometry, [v, w]: [usize; 2], step: u64) -> Served {
+    fn serve(&self, state: &mut MemoryState, geometry: &Geometry, [v, w]: [usize; 2], step: u64) -> Step {
         let Skew { lanes, coefficients } = self.placement.skew;
         let axis = geometry.axes.axis[0];
         let along = coefficients[axis].rem_euclid(lanes as i64) as usize;
@@ -112,7 +183,15 @@ impl Modules {
         let mut xyz = start.map(|i| i as i64);
         xyz[axis] = low as i64;
         let lowest = self.placement.skew.module(xyz);
-        let MemoryState { modules, counters, ahead, now, .. } = state;
+        let MemoryState { modules, choosers, counters, ahead, now, asked, taken, .. } = state;
+        let number = *taken + asked.len() as u64;
+        if !choosers.is_empty() {
+            let places = terms.iter().map(|term| self.timing.place(base + term));
+            for (i, place) in places.enumerate() {
+                choosers[(lowest + i * along) % lanes].ask(place, *now, number, ahead.frame);
+            }
+            return Step { served: Served::AT_ONCE, missing: terms.len() as u32 };
+        }
         let mut counted = MemoryCounters::default();
         let no_address = self.timing.rows.is_none() && self.timing.burst == 1;
         let alike = terms.len() == lanes && (no_address || terms[0] == terms[lanes - 1]);
@@ -137,7 +216,7 @@ impl Modules {
             all
         };
         counters[ahead.frame as usize] += counted;
-        served
+        Step { served, missing: 0 }
     }
 }
 
@@ -145,14 +224,20 @@ impl MemoryState {
     /// What the frame buffer does in this cycle while the words of its step are not there; none where they are.
     #[inline]
     pub(crate) fn waits(&self) -> Option<Activity> {
-        let step = self.asked.front()?;
-        if step.ready < self.next {
+        let &Step { served, missing } = self.asked.front()?;
+        if missing == 0 && served.ready < self.next {
             return None;
         }
         let tick = self.next - 1;
-        Some(if tick < step.refresh_until {
+        let mut until = [served.refresh_until, served.row_until];
+        if missing > 0 {
+            for waits in self.choosers.iter().filter_map(|chooser| chooser.waits(self.taken)) {
+                until = [0, 1].map(|i| until[i].max(waits[i]));
+            }
+        }
+        Some(if tick < until[0] {
             Activity::Waiting(Reason::Refresh)
-        } else if tick < step.row_until {
+        } else if tick < until[1] {
             Activity::Waiting(Reason::MemoryRow)
         } else {
             Activity::Busy
@@ -163,6 +248,7 @@ impl MemoryState {
     #[inline]
     pub(crate) fn take(&mut self) {
         self.asked.pop_front();
+        self.taken += 1;
     }
 
     /// Ends the pipeline cycle.
@@ -182,7 +268,7 @@ impl MemoryState {
 mod tests {
     use super::*;
     use bitvec::prelude::*;
-    use cube3_host::{Cfb, Layout, RaySlots, Rays, VolumeInfo, frame_setup, picture_setup};
+    use cube3_host::{Cfb, Layout, MemoryModel, RaySlots, Rays, VolumeInfo, frame_setup, picture_setup};
     use cube3_scene::{Perspective, Scene, View};
     use proptest::prelude::*;
 
@@ -226,7 +312,7 @@ mod tests {
         ) {
             prop_assume!(direction.iter().any(|x| x.abs() > 0.01));
             let layout = if blocks { Layout::Blocks } else { Layout::Rows };
-            let cfb = Cfb { skew, memory: kind, memory_clock_hz: Some(20e6), layout };
+            let cfb = Cfb { skew, memory: kind, memory_clock_hz: Some(20e6), layout, ..Cfb::default() };
             let machine = MachineSpec { lanes, cfb, rays: Rays { slots: RaySlots::Wrapped, ..Rays::default() }, ..MachineSpec::default() };
             let scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
             let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };
@@ -240,7 +326,7 @@ mod tests {
                 for w in 0..geometry.size[2] {
                     let expected = read_beam(&modules, &mut each, &geometry, [v, w], state.now, &mut counters);
                     for (step, expected) in expected.into_iter().enumerate() {
-                        prop_assert_eq!(modules.serve(&mut state, &geometry, [v, w], step as u64), expected);
+                        prop_assert_eq!(modules.serve(&mut state, &geometry, [v, w], step as u64).served, expected);
                     }
                     prop_assert_eq!(state.counters[0], counters);
                     state.now += pace;
@@ -257,7 +343,7 @@ mod tests {
             kind in proptest::sample::select(MemoryModel::TABLE.map(|model| model.kind).to_vec()),
         ) {
             let layout = if blocks { Layout::Blocks } else { Layout::Rows };
-            let cfb = Cfb { skew, memory: kind, memory_clock_hz: Some(20e6), layout };
+            let cfb = Cfb { skew, memory: kind, memory_clock_hz: Some(20e6), layout, ..Cfb::default() };
             let machine = MachineSpec { lanes, cfb, ..MachineSpec::default() };
             let perspective = Perspective { eye_voxel: Some(eye), ..Perspective::new(150.0) };
             let view = View { perspective: Some(perspective), ..View::from_direction([0.0, 0.0, 1.0], None) };
@@ -289,7 +375,7 @@ mod tests {
                         };
                         for expected in expected {
                             modules.ask(&mut state, &frames, &specs, u32::MAX);
-                            prop_assert_eq!(state.asked.pop_front(), Some(expected));
+                            prop_assert_eq!(state.asked.pop_front().map(|step| step.served), Some(expected));
                         }
                     }
                 }

@@ -1,45 +1,63 @@
 //! One memory module and its controller: rows stay open, words leave in the order in which they are asked for.
 //!
-//! Each command is booked in the order of the words at the first tick that the constraints and the command bus leave. Rows for
-//! later words are so opened behind earlier ones, in other banks. A refresh that has fallen due goes before the next word
-//! whose first command would not come before it.
+//! The commands of a word are booked when it is asked for: closing, opening, reading, each at the first tick that its bank, the
+//! constraints and the command bus leave. Reads and writes keep the order of the words. An activate may go before others that have
+//! been booked, as long as each keeps its distance from those on both sides; what has been booked never moves. A refresh that has fallen
+//! due goes before the next word whose first command would not come before it, and all that is booked after it comes after it.
 
-use super::{Place, Timing};
+use super::activates::Activates;
+use super::bus::Bus;
+use super::{MemoryCounters, Place, Timing};
 use cube3_host::{Command, MemoryModel};
 use serde::{Deserialize, Serialize};
-use std::ops::AddAssign;
 
 /// Before every tick; far enough from the end of the type that a time can be added.
-const NEVER: i64 = i64::MIN / 2;
+pub(super) const NEVER: i64 = i64::MIN / 2;
 /// A bank without an open row.
-const CLOSED: u64 = u64::MAX;
-/// Commands that can be booked ahead: closing, opening and reading for each word that is asked for, and a refresh behind a closing.
-const BOOKED: usize = 32;
-const _: () = assert!(3 * MemoryModel::MOST_AHEAD + 2 <= BOOKED);
+pub(super) const CLOSED: u64 = u64::MAX;
 
-/// A memory module.
+/// A memory module. What every word touches lies in two cache lines and its bank.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C, align(64))]
 pub struct Module {
-    /// The open row of each bank.
-    rows: Vec<u64>,
-    /// Last ticks of commands, where [`Timing`] places them: for each command the last four in the module, the latest first; for
-    /// each group, and for each bank, the last of each command.
-    marks: Vec<i64>,
-    /// Ticks of the last commands on the bus of the rows, or on the one bus that there is.
-    booked: [i64; BOOKED],
-    next_booked: usize,
-    last_booked: i64,
+    /// The first ticks of a read and of a write, as far as those before them count.
+    columns: [i64; 2],
     /// The burst at the module's output.
     output: Burst,
-    refresh_due: i64,
+    /// The first tick of an activate behind the last refresh.
+    pub(super) refreshed: i64,
+    /// The first tick of a refresh.
+    refresh: i64,
+    pub(super) refresh_due: i64,
+    /// The bus of the rows, or the one bus that there is.
+    pub(super) bus: Bus,
+    activates: Activates,
+    banks: [Bank; MemoryModel::MOST_BANKS],
+    /// The first ticks of a read and of a write, as far as those in the same group count.
+    group_columns: [[i64; 2]; MemoryModel::MOST_GROUPS],
     #[cfg(test)]
     #[serde(skip)]
     pub(super) log: Vec<(Command, usize, i64)>,
 }
 
+/// A bank: its open row, the tick of its last activate, and the first ticks that its own commands leave to the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(align(32))]
+struct Bank {
+    row: u64,
+    activated: i64,
+    activate: i64,
+    precharge: i64,
+}
+
+impl Bank {
+    const NEW: Bank = Bank { row: CLOSED, activated: NEVER, activate: NEVER, precharge: NEVER };
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Burst {
-    number: u64,
+    /// The word that it starts at.
+    start: u64,
     data: i64,
     row_until: i64,
 }
@@ -49,6 +67,8 @@ struct Burst {
 pub struct Served {
     /// The tick in which the word is at the output.
     pub ready: i64,
+    /// The tick of its read; before every tick where it came with an earlier one.
+    pub issued: i64,
     /// Before this tick a row was opened or closed for it.
     pub row_until: i64,
     /// Before this tick the module was refreshed.
@@ -57,61 +77,16 @@ pub struct Served {
 
 impl Served {
     /// What needs no word.
-    pub const AT_ONCE: Served = Served { ready: NEVER, row_until: NEVER, refresh_until: NEVER };
+    pub const AT_ONCE: Served = Served { ready: NEVER, issued: NEVER, row_until: NEVER, refresh_until: NEVER };
 
     /// Both.
     pub fn and(self, other: Served) -> Served {
         Served {
             ready: self.ready.max(other.ready),
+            issued: self.issued.max(other.issued),
             row_until: self.row_until.max(other.row_until),
             refresh_until: self.refresh_until.max(other.refresh_until),
         }
-    }
-}
-
-/// What memory modules have done. `reads + writes = row_hits + row_misses + row_conflicts`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct MemoryCounters {
-    /// Words read.
-    pub words: u64,
-    /// Read commands; the other words came with an earlier burst.
-    pub reads: u64,
-    /// Words written.
-    pub writes: u64,
-    /// Reads and writes that found their row open.
-    pub row_hits: u64,
-    /// Reads and writes that found their bank closed.
-    pub row_misses: u64,
-    /// Reads and writes that found another row open.
-    pub row_conflicts: u64,
-    /// Refreshes.
-    pub refreshes: u64,
-}
-
-impl MemoryCounters {
-    /// The same in `modules` modules.
-    pub fn times(self, modules: u64) -> MemoryCounters {
-        MemoryCounters {
-            words: self.words * modules,
-            reads: self.reads * modules,
-            writes: self.writes * modules,
-            row_hits: self.row_hits * modules,
-            row_misses: self.row_misses * modules,
-            row_conflicts: self.row_conflicts * modules,
-            refreshes: self.refreshes * modules,
-        }
-    }
-}
-
-impl AddAssign for MemoryCounters {
-    fn add_assign(&mut self, other: MemoryCounters) {
-        self.words += other.words;
-        self.reads += other.reads;
-        self.writes += other.writes;
-        self.row_hits += other.row_hits;
-        self.row_misses += other.row_misses;
-        self.row_conflicts += other.row_conflicts;
-        self.refreshes += other.refreshes;
     }
 }
 
@@ -119,107 +94,148 @@ impl Module {
     /// A module with every bank closed, at tick 0.
     pub fn new(timing: &Timing) -> Module {
         Module {
-            rows: vec![CLOSED; timing.banks()],
-            marks: vec![NEVER; timing.marks()],
-            booked: [NEVER; BOOKED],
-            next_booked: 0,
-            last_booked: NEVER,
-            output: Burst { number: u64::MAX, data: NEVER, row_until: NEVER },
+            banks: [Bank::NEW; MemoryModel::MOST_BANKS],
+            columns: [NEVER; 2],
+            group_columns: [[NEVER; 2]; MemoryModel::MOST_GROUPS],
+            refreshed: NEVER,
+            refresh: NEVER,
             refresh_due: timing.refresh_interval.unwrap_or(i64::MAX),
+            activates: Activates::new(NEVER),
+            bus: Bus::default(),
+            output: Burst { start: u64::MAX, data: NEVER, row_until: NEVER },
             #[cfg(test)]
             log: Vec::new(),
         }
     }
 
-    /// The first tick at which the constraints allow a command to a bank.
-    #[inline(always)]
-    pub fn earliest(&self, timing: &Timing, command: Command, bank: usize) -> i64 {
-        let group = timing.group(bank);
-        let mut tick = NEVER;
-        for rule in &timing.rules[command as usize] {
-            tick = tick.max(self.marks[rule.first + rule.by_group * group + rule.by_bank * bank] + rule.ticks);
-        }
-        tick
-    }
-
     /// Whether the constraints and the command bus allow a command to a bank at a tick.
-    pub fn ready(&self, timing: &Timing, command: Command, bank: usize, tick: i64) -> bool {
+    #[cfg(test)]
+    pub(super) fn ready(&self, timing: &Timing, command: Command, bank: usize, tick: i64) -> bool {
         self.free(timing, command, bank, tick) == tick
     }
 
     /// The first tick, not before `tick`, at which the constraints and the command bus allow a command to a bank.
     #[inline(always)]
-    fn free(&self, timing: &Timing, command: Command, bank: usize, tick: i64) -> i64 {
-        let mut tick = tick.max(self.earliest(timing, command, bank));
-        let own_bus = timing.column_bus && matches!(command, Command::Read | Command::Write);
-        // All at once: a search that stops early is slower.
-        while !own_bus && tick <= self.last_booked && self.booked.iter().fold(false, |met, &at| met | (at == tick)) {
-            tick += 1;
+    pub(super) fn free(&self, timing: &Timing, command: Command, bank: usize, tick: i64) -> i64 {
+        let Bank { activated, activate, precharge, .. } = self.banks[bank];
+        match command {
+            Command::Activate => {
+                let tick = tick.max(activate).max(self.refreshed);
+                self.activates.free(timing, timing.group(bank), tick, &self.bus)
+            }
+            Command::Precharge => self.bus.free(tick.max(precharge)),
+            Command::Refresh => self.bus.free(tick.max(self.refresh)),
+            Command::Read | Command::Write => {
+                let column = column(command);
+                let opened = activated + timing.delays.activate[command as usize];
+                let mut tick = tick.max(opened).max(self.columns[column]);
+                if timing.groups() > 1 {
+                    tick = tick.max(self.group_columns[timing.group(bank)][column]);
+                }
+                if timing.column_bus { tick } else { self.bus.free(tick) }
+            }
         }
-        tick
     }
 
-    /// Issues a command to a bank.
+    /// Issues a command to a bank. No command to come is issued before `asked`.
     #[inline(always)]
-    pub fn issue(&mut self, timing: &Timing, command: Command, bank: usize, tick: i64) {
+    pub(super) fn issue(&mut self, timing: &Timing, command: Command, bank: usize, tick: i64, asked: i64) {
+        let delays = &timing.delays;
+        let to = &mut self.banks[bank];
+        match command {
+            Command::Activate => {
+                to.activated = tick;
+                to.activate = to.activate.max(tick + delays.activate[Command::Activate as usize]);
+                to.precharge = to.precharge.max(tick + delays.activate[Command::Precharge as usize]);
+                self.refresh = self.refresh.max(tick + delays.to_refresh[0]);
+                self.activates.book(timing, timing.group(bank), tick, asked);
+            }
+            Command::Precharge => {
+                to.activate = to.activate.max(tick + delays.open);
+                self.refresh = self.refresh.max(tick + delays.to_refresh[1]);
+            }
+            Command::Refresh => {
+                self.refreshed = tick + delays.refresh[0];
+                self.refresh = tick + delays.refresh[1];
+            }
+            Command::Read | Command::Write => {
+                let from = column(command);
+                to.precharge = to.precharge.max(tick + delays.close[from]);
+                for to in [0, 1] {
+                    self.columns[to] = self.columns[to].max(tick + delays.columns[from][to]);
+                }
+                if timing.groups() > 1 {
+                    let group = &mut self.group_columns[timing.group(bank)];
+                    for to in [0, 1] {
+                        group[to] = group[to].max(tick + delays.group_columns[from][to]);
+                    }
+                }
+            }
+        }
         if !(timing.column_bus && matches!(command, Command::Read | Command::Write)) {
-            self.booked[self.next_booked] = tick;
-            self.next_booked = (self.next_booked + 1) % BOOKED;
-            self.last_booked = self.last_booked.max(tick);
-        }
-        self.note(timing, command, bank, tick);
-        let last = &mut self.marks[timing.in_module(command)..][..Timing::KEPT];
-        // Banks may be closed in another order than that of the words.
-        let place = last.iter().position(|&earlier| tick >= earlier).unwrap_or(Timing::KEPT);
-        for i in (place + 1..Timing::KEPT).rev() {
-            last[i] = last[i - 1];
-        }
-        if place < Timing::KEPT {
-            last[place] = tick;
+            self.bus.take(tick);
         }
         #[cfg(test)]
         self.log.push((command, bank, tick));
-    }
-
-    /// Remembers a command where constraints on its bank and group look for it.
-    #[inline(always)]
-    fn note(&mut self, timing: &Timing, command: Command, bank: usize, tick: i64) {
-        self.marks[timing.in_bank(command, bank)] = tick;
-        if timing.groups() > 1 {
-            let last = &mut self.marks[timing.in_group(command, timing.group(bank))];
-            *last = tick.max(*last);
-        }
     }
 
     /// Reads a word that has been asked for at tick `asked`, behind all words asked for before it.
     #[inline]
     pub fn read(&mut self, timing: &Timing, at: Place, asked: i64, counters: &mut MemoryCounters) -> Served {
         counters.words += 1;
-        let number = at.word >> timing.burst.trailing_zeros();
-        let place = (at.word & (timing.burst as u64 - 1)) >> timing.words_per_tick.trailing_zeros();
-        if number == self.output.number {
-            let Burst { data, row_until, .. } = self.output;
-            return Served { ready: asked.max(data + place as i64), row_until, refresh_until: NEVER };
+        if let Some(served) = self.from_output(timing, at, asked) {
+            return served;
         }
         counters.reads += 1;
         let column = self.column(timing, Command::Read, at, asked, counters);
+        self.read_out(timing, at, &column)
+    }
+
+    /// A word of the burst at the output.
+    #[inline(always)]
+    pub(super) fn from_output(&self, timing: &Timing, at: Place, asked: i64) -> Option<Served> {
+        let Burst { start, data, row_until } = self.output;
+        let ready = asked.max(data + timing.behind(at.word, start));
+        self.holds(timing, at).then_some(Served { ready, issued: NEVER, row_until, refresh_until: NEVER })
+    }
+
+    /// The burst of a read goes to the output.
+    #[inline(always)]
+    pub(super) fn read_out(&mut self, timing: &Timing, at: Place, column: &Column) -> Served {
         let data = column.tick + timing.latency;
         let row_until = if column.opened { data } else { NEVER };
         if timing.burst > 1 {
-            self.output = Burst { number, data, row_until };
+            self.output = Burst { start: at.word, data, row_until };
         }
-        Served { ready: data + place as i64, row_until, refresh_until: column.refresh_until }
+        let ready = data + timing.behind(at.word, at.word);
+        Served { ready, issued: column.tick, row_until, refresh_until: column.refresh_until }
+    }
+
+    /// The open row of a bank, or [`CLOSED`].
+    pub(super) fn open_row(&self, bank: usize) -> u64 {
+        self.banks[bank].row
+    }
+
+    /// Which row of a bank is open from now on, or [`CLOSED`].
+    pub(super) fn set_row(&mut self, bank: usize, row: u64) {
+        self.banks[bank].row = row;
+    }
+
+    /// Whether the burst of a word is at the output.
+    #[inline(always)]
+    fn holds(&self, timing: &Timing, at: Place) -> bool {
+        (at.word ^ self.output.start) < timing.burst as u64 && timing.burst > 1
     }
 
     /// Writes a word that has been brought at tick `asked`, behind all words asked for before it. `ready` is the tick of the write.
     pub fn write(&mut self, timing: &Timing, at: Place, asked: i64, counters: &mut MemoryCounters) -> Served {
         counters.writes += 1;
-        if at.word >> timing.burst.trailing_zeros() == self.output.number {
-            self.output.number = u64::MAX;
+        if self.holds(timing, at) {
+            self.output.start = u64::MAX;
         }
-        let column = self.column(timing, Command::Write, at, asked, counters);
-        let row_until = if column.opened { column.tick } else { NEVER };
-        Served { ready: column.tick, row_until, refresh_until: column.refresh_until }
+        let Column { tick, opened, refresh_until } = self.column(timing, Command::Write, at, asked, counters);
+        let row_until = if opened { tick } else { NEVER };
+        Served { ready: tick, issued: tick, row_until, refresh_until }
     }
 
     /// Opens the row of a place where it is not open, and reads or writes.
@@ -234,13 +250,14 @@ impl Module {
     ) -> Column {
         if timing.rows.is_none() {
             let tick = self.free(timing, command, 0, asked);
-            self.issue(timing, command, 0, tick);
+            self.issue(timing, command, 0, tick, asked);
             counters.row_hits += 1;
             return Column { tick, opened: false, refresh_until: NEVER };
         }
+        self.bus.forget(asked);
         let mut refresh_until = NEVER;
         let (first, tick) = loop {
-            let first = match self.rows[bank] {
+            let first = match self.banks[bank].row {
                 open if open == row => command,
                 CLOSED => Command::Activate,
                 _ => Command::Precharge,
@@ -250,9 +267,9 @@ impl Module {
                 break (first, tick);
             }
             self.refresh(timing, asked, counters);
-            refresh_until = self.earliest(timing, Command::Activate, bank);
+            refresh_until = self.refreshed;
         };
-        self.issue(timing, first, bank, tick);
+        self.issue(timing, first, bank, tick, asked);
         if first == command {
             counters.row_hits += 1;
             return Column { tick, opened: false, refresh_until };
@@ -260,51 +277,56 @@ impl Module {
         if first == Command::Precharge {
             counters.row_conflicts += 1;
             let tick = self.free(timing, Command::Activate, bank, asked);
-            self.issue(timing, Command::Activate, bank, tick);
+            self.issue(timing, Command::Activate, bank, tick, asked);
         } else {
             counters.row_misses += 1;
         }
-        self.rows[bank] = row;
+        self.banks[bank].row = row;
         let tick = self.free(timing, command, bank, asked);
-        self.issue(timing, command, bank, tick);
+        self.issue(timing, command, bank, tick, asked);
         Column { tick, opened: true, refresh_until }
     }
 
-    /// Closes every bank and refreshes, as often as has fallen due at `tick`, but at least once.
+    /// Closes every bank and refreshes, as often as has fallen due at tick `asked`, but at least once.
     #[cold]
-    fn refresh(&mut self, timing: &Timing, tick: i64, counters: &mut MemoryCounters) {
+    pub(super) fn refresh(&mut self, timing: &Timing, asked: i64, counters: &mut MemoryCounters) {
         let Some(interval) = timing.refresh_interval else {
             return;
         };
-        let open = |bank: &usize| self.rows[*bank] != CLOSED;
-        let banks: Vec<usize> = (0..self.rows.len()).filter(open).collect();
-        if let Some(&first) = banks.first() {
+        let open = || (0..timing.banks()).filter(|&bank| self.banks[bank].row != CLOSED);
+        if let Some(first) = open().next() {
             // One command closes all, when the last of them may be closed.
-            let due = banks.iter().map(|&bank| self.earliest(timing, Command::Precharge, bank)).max();
+            let due = open().map(|bank| self.banks[bank].precharge).max();
             let close = self.free(timing, Command::Precharge, first, due.unwrap_or(NEVER).max(self.refresh_due));
-            self.issue(timing, Command::Precharge, first, close);
-            for bank in banks {
-                self.rows[bank] = CLOSED;
-                self.note(timing, Command::Precharge, bank, close);
+            self.issue(timing, Command::Precharge, first, close, asked);
+            for bank in &mut self.banks {
+                bank.row = CLOSED;
+                bank.activate = bank.activate.max(close + timing.delays.open);
             }
         }
         let refresh = self.free(timing, Command::Refresh, 0, self.refresh_due);
-        self.issue(timing, Command::Refresh, 0, refresh);
+        self.issue(timing, Command::Refresh, 0, refresh, asked);
         counters.refreshes += 1;
         self.refresh_due += interval;
         // While nothing was asked for, each came when it was due; only the last can hold anything up.
-        let idle = (tick - self.refresh_due).div_euclid(interval);
+        let idle = (asked - self.refresh_due).div_euclid(interval);
         if idle > 0 {
             counters.refreshes += idle as u64;
             self.refresh_due += idle * interval;
-            self.issue(timing, Command::Refresh, 0, self.refresh_due - interval);
+            self.issue(timing, Command::Refresh, 0, self.refresh_due - interval, asked);
         }
     }
 }
 
+/// Index of a read or a write.
+#[inline(always)]
+fn column(command: Command) -> usize {
+    usize::from(command == Command::Write)
+}
+
 /// When a read or write was issued.
-struct Column {
-    tick: i64,
-    opened: bool,
-    refresh_until: i64,
+pub(super) struct Column {
+    pub tick: i64,
+    pub opened: bool,
+    pub refresh_until: i64,
 }

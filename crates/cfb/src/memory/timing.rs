@@ -1,14 +1,21 @@
 //! A row of the table of memory modules in ticks of a clock.
 
-use cube3_host::{Command, Constraint, MemoryModel, Rows, Scope};
+use cube3_host::{BankHash, BurstOrder, Command, Constraint, MachineSpec, MemoryModel, Rows, Scope};
+
+/// Where there is no constraint; far from the end of the type, so that a tick can be added.
+const NONE: i64 = i64::MIN / 4;
 
 /// What a module must keep to, in ticks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Timing {
     /// Banks and rows, if any.
     pub rows: Option<Rows>,
+    /// In which bank a row lies.
+    pub hash: BankHash,
     /// Words that a read brings.
     pub burst: usize,
+    /// The order of a burst that starts at the word asked for; none where bursts start at their first word.
+    pub burst_order: Option<BurstOrder>,
     /// Words of a burst in a tick.
     pub words_per_tick: usize,
     /// From the read to its first word.
@@ -19,8 +26,11 @@ pub struct Timing {
     pub column_bus: bool,
     /// Words of a module that are asked for ahead.
     pub look_ahead: usize,
-    /// For each command, in the order of [`Command`], what it must wait for.
-    pub(super) rules: [Vec<Rule>; 5],
+    pub(super) delays: Delays,
+    /// Between the activates of a module or group.
+    pub(super) spacings: Vec<Spacing>,
+    /// No activate that is so far behind another has to do with it.
+    pub(super) reach: i64,
 }
 
 /// Where a word is.
@@ -34,76 +44,79 @@ pub struct Place {
     pub row: u64,
 }
 
-/// A constraint: so many ticks behind the mark of an earlier command.
+/// Least ticks from a command to another, as [`MemoryModel::known`] lists them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Rule {
-    pub first: usize,
-    pub by_group: usize,
-    pub by_bank: usize,
+pub(super) struct Delays {
+    /// From an activate to the next command of each kind in its bank.
+    pub activate: [i64; 4],
+    /// From a read, and from a write, to a precharge of its bank.
+    pub close: [i64; 2],
+    /// From a precharge to an activate of its bank.
+    pub open: i64,
+    /// Between reads and writes: first index the earlier one.
+    pub columns: [[i64; 2]; 2],
+    /// The same in a group.
+    pub group_columns: [[i64; 2]; 2],
+    /// From an activate and from a precharge to a refresh.
+    pub to_refresh: [i64; 2],
+    /// From a refresh to an activate and to the next refresh.
+    pub refresh: [i64; 2],
+}
+
+/// So many ticks at least from each activate to the `nth` behind it, in the module or in a group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Spacing {
+    pub of_group: bool,
+    pub nth: usize,
     pub ticks: i64,
 }
 
 impl Timing {
-    /// The timing of a module at a memory clock in hertz.
+    /// The timing of a module at a memory clock in hertz, with the default hash.
     pub fn new(model: &MemoryModel, clock_hz: f64) -> Timing {
-        let mut timing = Timing {
+        let ticks = |constraint: &Constraint| constraint.span.ceil(clock_hz, model.burst_ticks()) as i64;
+        let spaces = |c: &&Constraint| [c.from, c.to] == [Command::Activate; 2] && c.scope != Scope::Bank;
+        let spacings: Vec<Spacing> = model
+            .constraints
+            .iter()
+            .filter(spaces)
+            .map(|c| Spacing { of_group: c.scope == Scope::Group, nth: c.nth, ticks: ticks(c) })
+            .collect();
+        let least = |from: Command, to: Command, scope: Scope| {
+            let same = |c: &&Constraint| (c.from, c.to, c.scope) == (from, to, scope);
+            model.constraints.iter().filter(same).map(ticks).max().unwrap_or(NONE)
+        };
+        use Command::{Activate, Precharge, Read, Refresh, Write};
+        use Scope::{Bank, Group, Module};
+        let columns = |scope| [Read, Write].map(|from| [Read, Write].map(|to| least(from, to, scope)));
+        Timing {
             rows: model.rows,
+            hash: BankHash::default(),
             burst: model.burst,
+            burst_order: model.burst_order,
             words_per_tick: model.words_per_tick,
-            latency: model.latency.ceil(clock_hz) as i64,
-            refresh_interval: model.refresh_interval.map(|interval| interval.floor(clock_hz) as i64),
+            latency: model.latency.ceil(clock_hz, model.burst_ticks()) as i64,
+            refresh_interval: model.refresh_interval.map(|interval| interval.floor(clock_hz, 1) as i64),
             column_bus: model.column_bus,
             look_ahead: model.look_ahead,
-            rules: Default::default(),
-        };
-        timing.rules = Command::ALL.map(|to| {
-            let constraints = model.constraints.iter().filter(|constraint| constraint.to == to);
-            constraints.map(|constraint| timing.rule(constraint, clock_hz)).collect()
-        });
-        timing
+            delays: Delays {
+                activate: [Activate, Read, Write, Precharge].map(|to| least(Activate, to, Bank)),
+                close: [Read, Write].map(|from| least(from, Precharge, Bank)),
+                open: least(Precharge, Activate, Bank),
+                columns: columns(Module),
+                group_columns: columns(Group),
+                to_refresh: [Activate, Precharge].map(|from| least(from, Refresh, Module)),
+                refresh: [Activate, Refresh].map(|to| least(Refresh, to, Module)),
+            },
+            reach: spacings.iter().map(|spacing| spacing.ticks).max().unwrap_or(0).max(1),
+            spacings,
+        }
     }
 
-    fn rule(&self, constraint: &Constraint, clock_hz: f64) -> Rule {
-        let (from, ticks) = (constraint.from, constraint.span.ceil(clock_hz) as i64);
-        let [by_group, by_bank] = match constraint.scope {
-            Scope::Module => [0, 0],
-            Scope::Group => [Self::COMMANDS, 0],
-            Scope::Bank => [0, Self::COMMANDS],
-        };
-        let first = match constraint.scope {
-            Scope::Module => self.in_module(from) + constraint.nth - 1,
-            Scope::Group => self.in_group(from, 0),
-            Scope::Bank => self.in_bank(from, 0),
-        };
-        Rule { first, by_group, by_bank, ticks }
-    }
-
-    const COMMANDS: usize = Command::ALL.len();
-
-    /// Last ticks of each command that a module keeps.
-    pub(super) const KEPT: usize = 4;
-
-    /// The first of the marks of a command in the module.
-    #[inline]
-    pub(super) fn in_module(&self, command: Command) -> usize {
-        Self::KEPT * command as usize
-    }
-
-    /// The mark of a command in a group of banks.
-    #[inline]
-    pub(super) fn in_group(&self, command: Command, group: usize) -> usize {
-        Self::COMMANDS * (Self::KEPT + group) + command as usize
-    }
-
-    /// The mark of a command in a bank.
-    #[inline]
-    pub(super) fn in_bank(&self, command: Command, bank: usize) -> usize {
-        Self::COMMANDS * (Self::KEPT + self.groups() + bank) + command as usize
-    }
-
-    /// All marks.
-    pub(super) fn marks(&self) -> usize {
-        self.in_bank(Command::Activate, self.banks())
+    /// The timing of the modules of a machine.
+    pub fn of(machine: &MachineSpec) -> Timing {
+        let model = MemoryModel::of_machine(&machine.cfb);
+        Timing { hash: machine.cfb.bank_hash, ..Timing::new(&model, machine.memory_clock_hz()) }
     }
 
     /// The group of a bank.
@@ -118,13 +131,14 @@ impl Timing {
         self.rows.map_or(1, |rows| rows.banks)
     }
 
-    /// The bank of a row of words, numbered through the module: the exclusive or of the lowest three digits of its number to the
-    /// base of the banks, so that rows a power of 2 apart are in different banks too (Zhang, Zhu, Zhang 2000, permutation-based
-    /// interleaving).
+    /// The bank of a row of words, numbered through the module.
     #[inline]
     pub fn bank(&self, row: u64) -> usize {
         let bits = self.banks().trailing_zeros();
-        (row ^ (row >> bits) ^ (row >> (2 * bits))) as usize & (self.banks() - 1)
+        match (self.hash, bits) {
+            (BankHash::DigitSum, 1 | 2 | 4) => digit_sum(row, bits),
+            (hash, _) => (hash.row().bank)(row, bits),
+        }
     }
 
     /// Where a word is whose bank follows from its number alone.
@@ -134,9 +148,45 @@ impl Timing {
         Place { word, bank: self.bank(row), row }
     }
 
+    /// Ticks from the first word of a burst to another, where the burst starts at `start`.
+    #[inline(always)]
+    pub(super) fn behind(&self, word: u64, start: u64) -> i64 {
+        let place = match self.burst_order {
+            None => word,
+            Some(BurstOrder::Interleaved) => word ^ start,
+            Some(BurstOrder::Sequential) => word.wrapping_sub(start),
+        };
+        ((place & (self.burst as u64 - 1)) >> self.words_per_tick.trailing_zeros()) as i64
+    }
+
     /// Groups of banks.
     #[inline]
     pub fn groups(&self) -> usize {
         self.rows.map_or(1, |rows| rows.groups)
+    }
+}
+
+/// The sum of the digits of 1, 2 or 4 bits, modulo their base: neighbouring fields are added until each is a byte, and a product adds the
+/// bytes. The definition is [`BankHash::DigitSum`]'s.
+#[inline]
+fn digit_sum(row: u64, bits: u32) -> usize {
+    let halve = |row: u64, bits: u32, mask: u64| (row & mask) + ((row >> bits) & mask);
+    let row = if bits == 1 { halve(row, 1, 0x5555_5555_5555_5555) } else { row };
+    let row = if bits <= 2 { halve(row, 2, 0x3333_3333_3333_3333) } else { row };
+    let bytes = halve(row, 4, 0x0f0f_0f0f_0f0f_0f0f);
+    (bytes.wrapping_mul(0x0101_0101_0101_0101) >> 56) as usize & ((1 << bits) - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn the_sum_of_digits_is_its_definition(row: u64, shift in 0_u32..64, bits in prop_oneof![Just(1_u32), Just(2), Just(4)]) {
+            let row = row >> shift;
+            prop_assert_eq!(digit_sum(row, bits), (BankHash::DigitSum.row().bank)(row, bits));
+        }
     }
 }

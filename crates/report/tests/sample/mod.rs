@@ -87,6 +87,7 @@ pub fn report() -> RunReport {
                 row_conflicts: 16_256,
                 refreshes: 1_024,
             }),
+            reorder: Some(ReorderTraffic { words: 139_264, peak_words: 133_120, rows: 16_384, mini_blocks: 262_144 }),
             bus_words: 2_097_152,
             bus_slots: 2_330_496,
             link_words: 65_536,

@@ -12,7 +12,7 @@ pub struct Cfb;
 fn placement(format: &Format) -> Placement {
     Placement {
         skew: Skew { coefficients: format.skew, lanes: format.lanes as usize },
-        layout: if format.blocks { Layout::Blocks } else { Layout::Rows },
+        layout: format.layout,
         dims: format.dims.map(|n| n as usize),
     }
 }
@@ -23,9 +23,11 @@ impl Unit for Cfb {
             name: "cfb",
             title: "Address generator",
             purpose: "Module and address of voxel (x, y, z): module (a·x + b·y + c·z) mod LANES, with a non-negative remainder. Within a module \
-                      the words of a row of voxels come first, then rows, then planes; or blocks of 8 × 8 × 8 words, one behind another. \
-                      With d = gcd(a, LANES), a module has d words of each LANES voxels along x: word ⌊x / LANES⌋·d + (x mod LANES) / \
-                      (LANES / d).",
+                      the words of a row of voxels come first, then rows, then planes; with BLOCKS = 1 blocks of 8 × 8 × 8 words, one behind \
+                      another. With d = gcd(a, LANES), a module has d words of each LANES voxels along x: word ⌊x / LANES⌋·d + (x mod LANES) / \
+                      (LANES / d). BLOCKS = 2: mini-block (i, j, k) = (⌊x / 2⌋, ⌊y / 2⌋, ⌊z / 2⌋) is in module (a·i + b·j + c·k) mod LANES, which needs \
+                      d = 1. Blocks of 2·LANES × 8 × 8 voxels come one behind another, 128 words of each module: word x mod 2 + 2·(y mod 2) + \
+                      4·(z mod 2) + 8·(j mod 4) + 32·(k mod 4) within.",
             source: "Pfister et al. 1995, section 2; `cube3_cfb::golden::Placement`",
             parameters: &["lanes", "nx", "ny", "nz", "skew_a", "skew_b", "skew_c", "blocks"],
             module: None,
@@ -36,7 +38,7 @@ impl Unit for Cfb {
             ],
             tables: Vec::new(),
             wires: vec![
-                Wire::new("sum", "a·x + b·y + c·z", "SKEW_LOW", "SKEW_HIGH"),
+                Wire::new("sum", "a·x + b·y + c·z, or of mini-blocks", "SKEW_LOW", "SKEW_HIGH"),
                 Wire::new("module", "sum mod LANES, not negative", "0", "LANES - 1").made_by(Kind::Cases),
                 Wire::new("term", "what x, y and z add to the address", "0", "TERM").times("3").loose(),
                 Wire::new("address", "the sum of the terms", "0", "TERM").loose(),
@@ -52,7 +54,7 @@ impl Unit for Cfb {
     fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
         let xyz: [u32; 3] = Reader::new(inputs).words();
         let placement = placement(format);
-        let module = placement.skew.module_wires(xyz.map(i64::from), probe);
+        let module = placement.module_wires(xyz.map(|i| i as usize), probe);
         let address = placement.address_wires(xyz.map(|i| i as usize), probe);
         vec![module as i128, address as i128]
     }
@@ -74,16 +76,20 @@ impl Unit for Cfb {
     }
 
     fn formats(&self) -> Vec<Format> {
-        let format = |lanes, dims, skew, blocks| Format { lanes, dims, skew, blocks, ..Format::default() };
+        let format = |lanes, dims, skew, layout| Format { lanes, dims, skew, layout, ..Format::default() };
+        let [rows, blocks, mini_blocks] = Layout::ALL;
         vec![
             Format::default(),
-            format(8, [16, 16, 16], [1, 1, 1], true),
-            format(5, [7, 11, 9], [1, 1, 1], false),
-            format(6, [13, 5, 10], [2, 1, 1], false),
-            format(6, [13, 5, 10], [4, 3, 1], true),
-            format(8, [9, 17, 3], [-1, 3, -5], true),
-            format(1, [4, 2, 3], [1, 1, 1], false),
-            format(32, [64, 40, 100], [1, 2, 4], false),
+            format(8, [16, 16, 16], [1, 1, 1], blocks),
+            format(5, [7, 11, 9], [1, 1, 1], rows),
+            format(6, [13, 5, 10], [2, 1, 1], rows),
+            format(6, [13, 5, 10], [4, 3, 1], blocks),
+            format(8, [9, 17, 3], [-1, 3, -5], blocks),
+            format(1, [4, 2, 3], [1, 1, 1], rows),
+            format(32, [64, 40, 100], [1, 2, 4], rows),
+            format(4, [16, 20, 18], [1, 1, 1], mini_blocks),
+            format(6, [29, 9, 3], [-5, 3, 2], mini_blocks),
+            format(1, [5, 2, 17], [0, 1, 1], mini_blocks),
         ]
     }
 }

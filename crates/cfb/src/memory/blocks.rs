@@ -1,0 +1,542 @@
+//! Modules that read mini-blocks into a reorder buffer.
+//!
+//! ```text
+//!   rows of mini-blocks, in the order ──► module 0:  bursts, in order ──┐
+//!   of their first use by the scan    ──► …                             ├──► reorder buffer ──► any `lanes` voxels a cycle ──► beam
+//!                                     ──► module n−1                    ┘
+//! ```
+//! The pipeline behind goes by beams. A row of mini-blocks is asked for when the buffer has room for it, each module then reads those of its
+//! mini-blocks one behind another, as far ahead of the first that is not there as the look-ahead lets it. A step of a beam goes on when the
+//! mini-blocks of its voxels are there whole, and a row leaves the buffer with the last beam that uses it.
+
+use super::rows::{ReorderNeed, along, is_first, is_last, number, of_voxels, pair, row_minis, row_words, used};
+use super::{MemoryCounters, Module, Place, Served, Timing};
+use crate::golden::{Placement, Skew, gcd};
+use crate::unit::Scan;
+use cube3_channel::{Activity, ClockDomain, Reason};
+use cube3_host::{FrameSetup, Geometry, Layout, LookAheadFreed, LookAheadUnit, MachineSpec};
+use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
+
+/// A reorder buffer that is too small.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "cfb.reorder_words = {words} is too small for this view: a beam needs {least} words in the buffer at once; give at least as many, or leave \
+     it out ({steady} then)"
+)]
+pub struct ReorderError {
+    /// Words given.
+    pub words: u64,
+    /// The fewest that would do.
+    pub least: u64,
+    /// Words that hold nothing up.
+    pub steady: u64,
+}
+
+/// What a coordinate adds to the place of a mini-block.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct Mini {
+    /// To the word of the module.
+    address: u64,
+    /// To the word of the bank.
+    word: u64,
+    /// To the bank.
+    block: u64,
+    /// To the module.
+    module: u64,
+}
+
+impl Mini {
+    fn plus(self, other: Mini) -> Mini {
+        Mini {
+            address: self.address + other.address,
+            word: self.word + other.word,
+            block: self.block + other.block,
+            module: self.module + other.module,
+        }
+    }
+}
+
+/// How a row of mini-blocks goes round the modules: `stride` modules further each, back at the first after `period`.
+#[derive(Clone, Copy, Debug)]
+struct Round {
+    stride: usize,
+    period: usize,
+    /// Of stride / gcd modulo the period.
+    inverse: usize,
+}
+
+impl Round {
+    fn new(stride: i64, lanes: usize) -> Round {
+        let stride = stride.rem_euclid(lanes as i64) as usize;
+        let shared = gcd(stride as i64, lanes);
+        let period = lanes / shared;
+        let inverse = (0..period).find(|i| i * (stride / shared) % period == 1 % period).unwrap_or(0);
+        Round { stride, period, inverse }
+    }
+
+    /// The first mini-block of a row that is in module `module`, where the row's first is in module `start`; all others are `period` apart.
+    fn first(&self, lanes: usize, start: usize, module: usize) -> Option<usize> {
+        let (distance, shared) = ((module + lanes - start) % lanes, lanes / self.period);
+        distance.is_multiple_of(shared).then(|| distance / shared * self.inverse % self.period)
+    }
+}
+
+/// Modules that read mini-blocks: timing, addresses and the size of the reorder buffer.
+#[derive(Clone, Debug)]
+pub struct BlockModules {
+    timing: Timing,
+    clock: ClockDomain,
+    lanes: usize,
+    /// Words that the reorder buffer holds.
+    words: u64,
+    /// For x, y, z, what each mini-block along the axis adds.
+    minis: [Vec<Mini>; 3],
+    /// For x, y, z, how rows of mini-blocks along the axis and against it go round the modules.
+    rounds: [[Round; 2]; 3],
+    unit: LookAheadUnit,
+    freed: LookAheadFreed,
+}
+
+/// Where the modules and the reorder buffer are.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BlockState {
+    clock: ClockDomain,
+    /// The first tick of this pipeline cycle, and of the next.
+    now: i64,
+    next: i64,
+    /// The beam whose rows are asked for next, and in `spent` which of them.
+    ahead: Scan,
+    /// The tick before which no module can ask, unless a frame is released.
+    wake: i64,
+    /// Frames that had been released when no row was left to ask for, or no room.
+    held: Option<u32>,
+    readers: Vec<Reader>,
+    /// Rows in the buffer, and places for others.
+    rows: Vec<Row>,
+    free: Vec<u32>,
+    /// By mini-blocks along w, the rows there, the oldest first: one that comes for the second time may be on its way before it has left.
+    by_pair: Vec<Vec<u32>>,
+    /// Rows that some module has yet to ask for, in order, and the number of the first since the start.
+    line: VecDeque<u32>,
+    first: u64,
+    /// Words of the rows in the buffer.
+    words: u64,
+    /// By frame.
+    counters: Vec<MemoryCounters>,
+    reorder: ReorderCounters,
+}
+
+/// A module and what it reads.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Reader {
+    module: Module,
+    /// The number of its row.
+    row: u64,
+    /// Its next mini-block there, once it has begun the row.
+    mini: Option<u32>,
+    /// Bursts of that mini-block that it has asked for.
+    bursts: u32,
+    /// Bursts that are not there yet.
+    open: VecDeque<Open>,
+}
+
+/// A burst that has been asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Open {
+    /// The tick in which its first word is there; the last is at `served.ready`.
+    first: i64,
+    served: Served,
+}
+
+/// A row of mini-blocks in the buffer or on its way there.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct Row {
+    frame: u32,
+    j: u32,
+    /// What j and k give to places.
+    base: Mini,
+    /// Modules that have asked for all of theirs.
+    passed: u32,
+    /// Whether its last beam is over.
+    left: bool,
+    /// Mini-blocks from the first on that are there.
+    there: u32,
+    /// When each is, until all are.
+    arrivals: Vec<Arrival>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Arrival {
+    /// Bursts that have not been asked for.
+    missing: u32,
+    served: Served,
+}
+
+/// What the reorder buffer has done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ReorderCounters {
+    /// Words that it holds.
+    pub words: u64,
+    /// Most words that rows in the buffer, or asked for, have taken.
+    pub peak_words: u64,
+    /// Rows of mini-blocks that have been asked for.
+    pub rows: u64,
+    /// Mini-blocks of these.
+    pub mini_blocks: u64,
+}
+
+impl BlockModules {
+    /// The modules of a machine with this layout for some frames of a volume.
+    ///
+    /// # Errors
+    /// A reorder buffer that cannot hold what a beam of some frame needs.
+    pub fn new(machine: &MachineSpec, frames: &[FrameSetup], dims: [usize; 3]) -> Result<BlockModules, ReorderError> {
+        let (words, timing) = (reorder_words(machine, frames)?, Timing::of(machine));
+        let (lanes, banks) = (machine.lanes, timing.banks());
+        let skew = Skew { coefficients: machine.cfb.skew, lanes };
+        let placement = Placement { skew, layout: Layout::MiniBlocks, dims };
+        let mini = |axis: usize, i: usize| {
+            let voxel = Placement::MINI * i;
+            let mut xyz = [0; 3];
+            xyz[axis] = voxel;
+            Mini {
+                address: placement.term(axis, voxel) as u64,
+                word: placement.bank_term(axis, voxel, banks) as u64,
+                block: placement.block(axis, voxel) as u64,
+                module: placement.module(xyz) as u64,
+            }
+        };
+        let minis = [0, 1, 2].map(|axis| (0..dims[axis].div_ceil(Placement::MINI)).map(|i| mini(axis, i)).collect());
+        let rounds = skew.coefficients.map(|a| [a, -a].map(|stride| Round::new(stride, lanes)));
+        let clock = ClockDomain::from_hertz(machine.memory_clock_hz(), machine.clock_hz);
+        let (unit, freed) = (machine.cfb.look_ahead_unit, machine.cfb.look_ahead_freed);
+        Ok(BlockModules { timing, clock, lanes, words, minis, rounds, unit, freed })
+    }
+
+    /// The modules at the start of the first of some frames.
+    pub fn start(&self, frames: usize) -> BlockState {
+        let mut clock = self.clock;
+        let next = clock.advance() as i64;
+        let reader = || Reader {
+            module: Module::new(&self.timing),
+            row: 0,
+            mini: None,
+            bursts: 0,
+            open: VecDeque::with_capacity(self.timing.look_ahead),
+        };
+        let pairs = self.minis.iter().map(Vec::len).max().unwrap_or(0);
+        BlockState {
+            clock,
+            now: 0,
+            next,
+            ahead: Scan::default(),
+            wake: i64::MIN,
+            held: None,
+            readers: (0..self.lanes).map(|_| reader()).collect(),
+            rows: Vec::new(),
+            free: Vec::new(),
+            by_pair: vec![Vec::new(); pairs],
+            line: VecDeque::new(),
+            first: 0,
+            words: 0,
+            counters: vec![MemoryCounters::default(); frames],
+            reorder: ReorderCounters { words: self.words, ..ReorderCounters::default() },
+        }
+    }
+
+    /// Words of a burst that belong to one mini-block.
+    fn burst_words(&self) -> usize {
+        self.timing.burst.min(Placement::MINI_WORDS)
+    }
+
+    /// Has each module ask for bursts as far ahead as it may, in frames before `released`.
+    #[inline]
+    pub(crate) fn ask(&self, state: &mut BlockState, frames: &[FrameSetup], released: u32) {
+        let released = released.min(frames.len() as u32);
+        if state.now < state.wake && state.held.is_none_or(|held| held == released) {
+            return;
+        }
+        (state.wake, state.held) = (i64::MAX, None);
+        for module in 0..self.lanes {
+            loop {
+                let open = &mut state.readers[module].open;
+                while open.front().is_some_and(|burst| burst.served.ready < state.now) {
+                    open.pop_front();
+                }
+                if let Some(tick) = self.held_until(open, state.now) {
+                    state.wake = state.wake.min(tick);
+                    break;
+                }
+                let Some((place, mini)) = self.next_mini(state, module, frames, released) else {
+                    state.held = Some(released);
+                    break;
+                };
+                let frame = state.rows[place].frame as usize;
+                self.read(state, module, place, mini, &frames[frame].geometry);
+            }
+        }
+    }
+
+    /// A tick before which a module that has asked for these bursts cannot ask for another one, if there is any behind `now`.
+    #[inline]
+    fn held_until(&self, open: &VecDeque<Open>, now: i64) -> Option<i64> {
+        let (burst, rate) = (self.burst_words() as i64, self.timing.words_per_tick as i64);
+        let missing = |open: &Open| match (self.freed, self.unit) {
+            (LookAheadFreed::Column, _) if open.served.issued < now => 0,
+            (_, LookAheadUnit::Bursts) => 1,
+            (LookAheadFreed::Word, LookAheadUnit::Words) if open.first < now => {
+                burst.min((open.served.ready - now + 1) * rate)
+            }
+            (_, LookAheadUnit::Words) => burst,
+        };
+        if (self.unit, self.freed) == (LookAheadUnit::Bursts, LookAheadFreed::Word) {
+            let front = open.front().filter(|_| open.len() >= self.timing.look_ahead)?;
+            return Some(front.served.ready + 1);
+        }
+        (open.iter().map(missing).sum::<i64>() >= self.timing.look_ahead as i64).then_some(now + 1)
+    }
+
+    /// The row and mini-block that a module reads from next, if there is any.
+    #[inline]
+    fn next_mini(
+        &self,
+        state: &mut BlockState,
+        module: usize,
+        frames: &[FrameSetup],
+        released: u32,
+    ) -> Option<(usize, usize)> {
+        loop {
+            let number = (state.readers[module].row - state.first) as usize;
+            if number == state.line.len() && !self.admit(state, frames, released) {
+                return None;
+            }
+            let place = state.line[number] as usize;
+            let row = &mut state.rows[place];
+            let reader = &mut state.readers[module];
+            let geometry = &frames[row.frame as usize].geometry;
+            let mini = match reader.mini {
+                Some(mini) => Some(mini as usize),
+                None => self.round(geometry).first(self.lanes, self.start_module(geometry, row), module),
+            };
+            if let Some(mini) = mini.filter(|&mini| mini < row_minis(geometry)) {
+                reader.mini = Some(mini as u32);
+                return Some((place, mini));
+            }
+            (reader.row, reader.mini) = (reader.row + 1, None);
+            row.passed += 1;
+            while let Some(&front) = state.line.front()
+                && state.rows[front as usize].passed as usize == self.lanes
+            {
+                state.line.pop_front();
+                state.first += 1;
+                if state.rows[front as usize].left {
+                    state.free.push(front);
+                }
+            }
+        }
+    }
+
+    /// Puts the next row that some beam uses first into the line, where there is one and the buffer has room for it.
+    fn admit(&self, state: &mut BlockState, frames: &[FrameSetup], released: u32) -> bool {
+        while state.ahead.frame < released {
+            let Scan { frame, plane, depth, spent } = state.ahead;
+            let geometry = &frames[frame as usize].geometry;
+            for (i, j) in used(geometry, plane, depth).into_iter().enumerate().skip(spent as usize) {
+                state.ahead.spent = i as u64;
+                let Some(j) = j.filter(|&j| is_first(geometry, plane, depth, j)) else { continue };
+                let words = row_words(geometry);
+                if state.words + words > self.words {
+                    return false;
+                }
+                state.ahead.spent += 1;
+                self.place_row(state, geometry, frame, pair(geometry, depth), j);
+                state.words += words;
+                state.reorder.rows += 1;
+                state.reorder.mini_blocks += row_minis(geometry) as u64;
+                state.reorder.peak_words = state.reorder.peak_words.max(state.words);
+                return true;
+            }
+            state.ahead.advance(geometry);
+        }
+        false
+    }
+
+    /// Gives a row a place in the buffer.
+    fn place_row(&self, state: &mut BlockState, geometry: &Geometry, frame: u32, k: usize, j: usize) {
+        let place = state.free.pop().unwrap_or_else(|| {
+            state.rows.push(Row::default());
+            state.rows.len() as u32 - 1
+        });
+        let [_, v, w] = geometry.axes.axis;
+        let missing = (Placement::MINI_WORDS / self.burst_words()) as u32;
+        let row = &mut state.rows[place as usize];
+        (row.frame, row.j, row.base) = (frame, j as u32, self.minis[v][j].plus(self.minis[w][k]));
+        (row.passed, row.left, row.there) = (0, false, 0);
+        row.arrivals.clear();
+        row.arrivals.resize(row_minis(geometry), Arrival { missing, served: Served::AT_ONCE });
+        state.by_pair[k].push(place);
+        state.line.push_back(place);
+    }
+
+    /// Has a module read the next burst of its mini-block.
+    #[inline]
+    fn read(&self, state: &mut BlockState, module: usize, place: usize, mini: usize, geometry: &Geometry) {
+        let row = &mut state.rows[place];
+        let axis = geometry.axes.axis[0];
+        let at = row.base.plus(self.minis[axis][along(geometry, mini)]);
+        let reader = &mut state.readers[module];
+        let words = self.burst_words() as u64;
+        let first = u64::from(reader.bursts) * words;
+        let (bank, row_of_bank) = self.timing.rows.map_or((0, 0), |rows| {
+            (at.block as usize & (rows.banks - 1), (at.word + first) >> rows.words.trailing_zeros())
+        });
+        let word = |i: u64| Place { word: at.address + first + i, bank, row: row_of_bank };
+        let counters = &mut state.counters[row.frame as usize];
+        let mut served = reader.module.read(&self.timing, word(0), state.now, counters);
+        let first_word = served.ready;
+        if words > 1 {
+            served = served.and(reader.module.read(&self.timing, word(words - 1), state.now, counters));
+            counters.words += words - 2;
+        }
+        let arrival = &mut row.arrivals[mini];
+        arrival.missing -= 1;
+        arrival.served = arrival.served.and(served);
+        reader.open.push_back(Open { first: first_word, served });
+        reader.bursts += 1;
+        if arrival.missing == 0 {
+            reader.bursts = 0;
+            reader.mini = Some((mini + self.round(geometry).period) as u32);
+        }
+    }
+
+    /// How rows along u go round the modules.
+    fn round(&self, geometry: &Geometry) -> Round {
+        self.rounds[geometry.axes.axis[0]][usize::from(geometry.axes.reversed[0])]
+    }
+
+    /// The module of a row's first mini-block.
+    fn start_module(&self, geometry: &Geometry, row: &Row) -> usize {
+        let first = self.minis[geometry.axes.axis[0]][along(geometry, 0)];
+        (first.module + row.base.module) as usize % self.lanes
+    }
+
+    /// What the frame buffer does in this cycle while mini-blocks of its step are not there; none where all are. The step is that of
+    /// the row `v` of voxels at a depth, up to voxel `last` along u.
+    #[inline]
+    pub(crate) fn waits(
+        &self,
+        state: &mut BlockState,
+        geometry: &Geometry,
+        frame: u32,
+        [v, depth]: [usize; 2],
+        last: usize,
+    ) -> Option<Activity> {
+        let j = of_voxels(geometry, v) as u32;
+        let here = &state.by_pair[pair(geometry, depth as u32)];
+        let mine = |&&place: &&u32| state.rows[place as usize].j == j && state.rows[place as usize].frame == frame;
+        let Some(&place) = here.iter().find(mine) else {
+            let slowest = state.readers.iter().filter_map(|reader| reader.open.front());
+            let served = slowest.fold(Served::AT_ONCE, |all, burst| all.and(burst.served));
+            return Some(activity(served, state.next - 1));
+        };
+        let row = &mut state.rows[place as usize];
+        let last = number(geometry, last) as u32;
+        if row.there > last {
+            return None;
+        }
+        while row.there <= last {
+            let arrival = row.arrivals[row.there as usize];
+            if arrival.missing > 0 || arrival.served.ready >= state.next {
+                break;
+            }
+            row.there += 1;
+        }
+        if row.there > last {
+            if row.there as usize == row.arrivals.len() {
+                row.arrivals.clear();
+            }
+            return None;
+        }
+        let (row, round) = (&state.rows[place as usize], self.round(geometry));
+        let start = self.start_module(geometry, row);
+        let mut served = Served::AT_ONCE;
+        for mini in row.there..=last {
+            let arrival = row.arrivals[mini as usize];
+            served = served.and(arrival.served);
+            if arrival.missing > 0 {
+                let module = (start + mini as usize * round.stride) % self.lanes;
+                // It comes behind what its module has been asked for.
+                served = state.readers[module].open.front().map_or(served, |burst| served.and(burst.served));
+            }
+        }
+        Some(activity(served, state.next - 1))
+    }
+
+    /// A beam is over: the rows that no beam of this plane or the next uses leave the buffer.
+    pub(crate) fn leave(&self, state: &mut BlockState, geometry: &Geometry, frame: u32, plane: u32, depth: u32) {
+        for j in used(geometry, plane, depth).into_iter().flatten() {
+            if !is_last(geometry, plane, depth, j) {
+                continue;
+            }
+            let BlockState { rows, by_pair, free, .. } = state;
+            let here = &mut by_pair[pair(geometry, depth)];
+            let mine = |&place: &u32| rows[place as usize].j == j as u32 && rows[place as usize].frame == frame;
+            let Some(at) = here.iter().position(mine) else { continue };
+            let place = here.remove(at);
+            rows[place as usize].left = true;
+            if rows[place as usize].passed as usize == self.lanes {
+                free.push(place);
+            }
+            state.words -= row_words(geometry);
+            state.wake = i64::MIN;
+        }
+    }
+}
+
+/// Words of the reorder buffer of a machine with mini-blocks for some frames: those of the machine file, or what the frames need.
+///
+/// # Errors
+/// Fewer than a beam needs.
+pub fn reorder_words(machine: &MachineSpec, frames: &[FrameSetup]) -> Result<u64, ReorderError> {
+    let mut most = ReorderNeed::default();
+    for setup in frames {
+        let need = ReorderNeed::new(machine, &setup.geometry);
+        (most.least, most.steady) = (most.least.max(need.least), most.steady.max(need.steady));
+    }
+    let words = machine.cfb.reorder_words.unwrap_or(most.steady);
+    if words < most.least {
+        return Err(ReorderError { words, least: most.least, steady: most.steady });
+    }
+    Ok(words)
+}
+
+/// What a cycle whose last tick is `tick` counts as.
+fn activity(served: Served, tick: i64) -> Activity {
+    if tick < served.refresh_until {
+        Activity::Waiting(Reason::Refresh)
+    } else if tick < served.row_until {
+        Activity::Waiting(Reason::MemoryRow)
+    } else {
+        Activity::Busy
+    }
+}
+
+impl BlockState {
+    /// Ends the pipeline cycle.
+    #[inline]
+    pub(crate) fn end_cycle(&mut self) {
+        self.now = self.next;
+        self.next += self.clock.advance() as i64;
+    }
+
+    /// What the modules have done, by frame, summed over the modules. Words are counted when they are asked for.
+    pub fn counters(&self) -> &[MemoryCounters] {
+        &self.counters
+    }
+
+    /// What the reorder buffer has done.
+    pub fn reorder(&self) -> ReorderCounters {
+        self.reorder
+    }
+}
