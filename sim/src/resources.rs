@@ -4,10 +4,11 @@
 //! more where the product is rounded to nearest and drops bits. Shifts, selections and table look-ups are none.
 
 use crate::machine::RunCounters;
+use crate::overlap::{Overlap, neighbour_slots, sample_slots, voxel_slots};
 use cube3_cone::ConeSpec;
 use cube3_host::{
     ConeRegisters, FrameSetup, GradientMethod, GradientScale, LinearFactor, MachineSpec, RayEnds, RaySlots, Reuse,
-    Shading, ShadingUnit,
+    Sections, Shading, ShadingUnit,
 };
 use cube3_report::{InterfaceReport, LinesReport, MemoryBits, OperatorCounts, OperatorsReport, ResourcesReport};
 use cube3_scene::{MOST_CUTS, MOST_LIGHTS};
@@ -162,14 +163,18 @@ pub(crate) fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSet
     };
     let voxel_bits = u64::from(words.voxel_bits);
     kind(FRAME_BUFFER, format!("{buffers} × {voxels} voxels of {voxel_bits} bits"), buffers * voxels * voxel_bits);
-    // The largest frame sets the size of each buffer; registers and first planes are there twice where frames overlap.
+    // The largest frame sets the size of each buffer; registers and first planes are there twice where frames overlap, and first planes
+    // where a frame has sections, which overlap likewise.
     let twice = if machine.frames.overlap { 2 } else { 1 };
+    let firsts = |setup: &FrameSetup| if Sections::of(machine, &setup.geometry).is_whole() { twice } else { 2 };
     let most = |of: &dyn Fn(&FrameSetup) -> u64| frames.iter().map(of).max().unwrap_or(0);
-    let plane = |setup: &FrameSetup| setup.geometry.slot_counts()[0] as u64 * setup.geometry.size[2] as u64;
+    let depths = |setup: &FrameSetup| setup.geometry.size[2] as u64;
     let closes = |setup: &FrameSetup, axis: usize| u64::from(setup.geometry.closes()[axis]);
     let ring = machine.dsb.planes as u64;
     let copies = |setup: &FrameSetup| if setup.geometry.doubled() { 4 } else { 1 };
-    let planes = most(&|setup| copies(setup) * (ring + twice * closes(setup, 1)) * plane(setup));
+    let planes = most(&|setup| {
+        copies(setup) * (ring + firsts(setup) * closes(setup, 1)) * voxel_slots(machine, setup) * depths(setup)
+    });
     kind("skewed buffers", format!("{planes} voxels of {voxel_bits} bits"), planes * voxel_bits);
     let sample_bits = u64::from(words.sample_bits());
     let kept_rays = match machine.trilin.reuse {
@@ -179,18 +184,27 @@ pub(crate) fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSet
     let kept_planes = u64::from(matches!(machine.trilin.reuse, Reuse::Plane | Reuse::Both));
     let kept = most(&|setup| {
         let first = 2 * closes(setup, 0);
-        (kept_rays + first) * setup.geometry.size[2] as u64 + kept_planes * plane(setup)
+        (kept_rays + first + kept_planes * sample_slots(machine, setup)) * depths(setup)
     });
     kind("lerps kept", format!("{kept} samples of {sample_bits} bits"), kept * sample_bits);
     let shaded = most(&|setup| {
         let ring = if setup.gradient.is_some() {
-            setup.ring(machine.abc.planes) as u64 + twice * 2 * closes(setup, 1)
+            setup.ring(machine.abc.planes) as u64 + firsts(setup) * 2 * closes(setup, 1)
         } else {
             0
         };
-        ring * plane(setup)
+        ring * neighbour_slots(machine, setup) * depths(setup)
     });
     kind("sample planes", format!("{shaded} samples of {sample_bits} bits"), shaded * sample_bits);
+    let ray_bits = u64::from(ray_bits(machine));
+    let rays = most(&|setup| Overlap::new(machine, setup).rays);
+    kind("overlap buffers of rays", format!("beside the chip, {rays} words of {ray_bits} bits"), rays * ray_bits);
+    let samples = most(&|setup| Overlap::new(machine, setup).samples);
+    kind(
+        "overlap buffers of samples",
+        format!("beside the chip, {samples} samples of {sample_bits} bits"),
+        samples * sample_bits,
+    );
     let shifter = ConeSpec::of(machine, machine.lanes).shifter_words();
     let coloured = u64::from(3 * words.colour_bits + words.opacity_bits);
     kind("shifter before the cone", format!("{shifter} samples of {coloured} bits"), shifter * coloured);
@@ -209,6 +223,14 @@ pub(crate) fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSet
     });
     kind("templates", format!("{twice} × {templates} bits of columns and weights"), twice * templates);
     memory
+}
+
+/// Bits of a ray's word in TRILIN's overlap buffer: lerped along w where lerps of the ray before are kept, and else a voxel.
+fn ray_bits(machine: &MachineSpec) -> u32 {
+    match machine.trilin.reuse {
+        Reuse::Ray | Reuse::Both => machine.words.sample_bits(),
+        Reuse::None | Reuse::Plane => machine.words.voxel_bits,
+    }
 }
 
 /// Bits of the tables of one lane.
@@ -274,7 +296,9 @@ fn interfaces(machine: &MachineSpec, frames: &[FrameSetup], counters: &RunCounte
     let beam = frames.first().map_or(0.0, |setup| setup.geometry.size[0] as f64);
     let slots = |setup: &FrameSetup| setup.geometry.slot_counts().iter().map(|&n| n as f64).product::<f64>();
     let depths = |setup: &FrameSetup| setup.geometry.size[2] as f64;
-    let fetched = counters.beams as f64 * beam;
+    // With sections, beams come in pieces: together all voxels.
+    let all = |setup: &FrameSetup| setup.geometry.size.iter().map(|&n| n as f64).product::<f64>();
+    let fetched = if machine.rays.section.is_some() { sum(&all) } else { counters.beams as f64 * beam };
     let rays = sum(&|setup| slots(setup) * depths(setup));
     // Voxels that a ray brings for each depth: of two planes, or a cell of its own.
     let corners_of = |setup: &FrameSetup| if setup.geometry.doubled() { 4.0 } else { 2.0 };
@@ -299,6 +323,13 @@ fn interfaces(machine: &MachineSpec, frames: &[FrameSetup], counters: &RunCounte
             counters.host.bytes as f64,
         ),
     ];
+    let overlaps = frames.iter().map(|setup| Overlap::new(machine, setup));
+    let moved = overlaps
+        .map(|overlap| overlap.rays_moved as f64 * bytes(ray_bits(machine)) + overlap.samples_moved as f64 * sample);
+    let moved: f64 = moved.sum();
+    if moved > 0.0 {
+        interfaces.push(interface("overlap buffers", None, moved));
+    }
     if machine.boards.count > 1 {
         // Each board has a link to its neighbour, which carries words in two directions.
         let words = machine.boards.link_words_per_cycle.map(|words| 2.0 * machine.boards.count as f64 * words);
