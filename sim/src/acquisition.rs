@@ -3,14 +3,15 @@
 //! Volume 0 is in the frame buffer at the start; volume j comes in behind volume j − 1. A beam that has seen W words written
 //! read voxel i (x fastest) of volume ⌈(W − i)/voxels⌉. A frame that reads voxels of more than one volume is *torn*.
 
-use cube3_cfb::scan;
-use cube3_host::Geometry;
+use cube3_cfb::{Piece, scan};
+use cube3_host::{Geometry, Sections};
 use std::collections::BTreeMap;
 
 /// A frame with what each of its beams, in the order of fetches, has seen written.
 #[derive(Clone, Copy, Debug)]
 pub struct Sight<'a> {
     geometry: &'a Geometry,
+    sections: Sections,
     dims: [usize; 3],
     seen: &'a [u64],
 }
@@ -58,8 +59,10 @@ impl Mixture {
     }
 }
 
-/// A beam of voxels in the order of the volume.
+/// Neighbouring voxels of a beam in the order of the volume.
 struct Row {
+    /// The beam, in the order of fetches: where there are sections it may have two rows.
+    beam: usize,
     plane: u32,
     /// Place of its first voxel.
     first: usize,
@@ -79,13 +82,18 @@ impl Row {
 }
 
 impl<'a> Sight<'a> {
-    /// The next frame of a volume of `dims` voxels along x, y, z: its beams are taken from the front of `seen`, which is for the
-    /// beams of all frames in the order of fetches.
-    pub fn next<'s: 'a>(geometry: &'a Geometry, dims: [usize; 3], seen: &mut &'s [u64]) -> Sight<'a> {
+    /// The next frame, taken in sections, of a volume of `dims` voxels along x, y, z: its beams are taken from the front of `seen`, which is
+    /// for the beams of all frames in the order of fetches.
+    pub fn next<'s: 'a>(
+        geometry: &'a Geometry,
+        sections: Sections,
+        dims: [usize; 3],
+        seen: &mut &'s [u64],
+    ) -> Sight<'a> {
         let all: &'s [u64] = seen;
-        let (own, rest) = all.split_at(scan(geometry).count().min(all.len()));
+        let (own, rest) = all.split_at(scan(geometry, &sections).count().min(all.len()));
         *seen = rest;
-        Sight { geometry, dims, seen: own }
+        Sight { geometry, sections, dims, seen: own }
     }
 
     fn rows(&self) -> impl Iterator<Item = Row> + '_ {
@@ -96,16 +104,21 @@ impl<'a> Sight<'a> {
             let [x, y, z] = axes.voxel(*size, [u, v, w]);
             x + nx * (y + ny * z)
         };
-        scan(self.geometry).zip(self.seen).map(move |((plane, depth, row), &seen)| {
-            let [a, b] = [0, size[0] - 1].map(|u| place(u, row as usize, depth as usize));
-            Row {
-                plane,
-                first: a.min(b),
-                stride: a.abs_diff(b).checked_div(size[0] - 1).unwrap_or(1),
-                count: size[0],
-                edge: (seen % voxels as u64) as usize,
-                before: seen / voxels as u64,
-            }
+        let beams = scan(self.geometry, &self.sections).zip(self.seen).enumerate();
+        beams.flat_map(move |(beam, (([_, plane, depth], Piece { row, columns }), &seen))| {
+            columns.into_iter().filter(|columns| !columns.is_empty()).map(move |columns| {
+                let (start, count) = (columns.start, columns.len());
+                let [a, b] = [start, start + count - 1].map(|u| place(u, row as usize, depth as usize));
+                Row {
+                    beam,
+                    plane,
+                    first: a.min(b),
+                    stride: a.abs_diff(b).checked_div(count - 1).unwrap_or(1),
+                    count,
+                    edge: (seen % voxels as u64) as usize,
+                    before: seen / voxels as u64,
+                }
+            })
         })
     }
 
@@ -113,14 +126,22 @@ impl<'a> Sight<'a> {
     pub fn mixture(&self) -> Mixture {
         let mut voxels: BTreeMap<u64, u64> = BTreeMap::new();
         let (mut mixed_beams, mut first_torn_plane) = (0, None);
+        // Voxels of the beam in hand, and those of them that are newer.
+        let (mut beam, mut of_beam) = (usize::MAX, [0; 2]);
         for row in self.rows() {
             let newer = row.newer();
+            if row.beam != beam {
+                (beam, of_beam) = (row.beam, [0; 2]);
+            }
+            let mixed = |[count, newer]: [usize; 2]| newer > 0 && newer < count;
+            let was_mixed = mixed(of_beam);
+            of_beam = [of_beam[0] + row.count, of_beam[1] + newer];
+            mixed_beams += u64::from(mixed(of_beam) && !was_mixed);
             for (volume, count) in [(row.before, row.count - newer), (row.before + 1, newer)] {
                 if count > 0 {
                     *voxels.entry(volume).or_default() += count as u64;
                 }
             }
-            mixed_beams += u64::from(newer > 0 && newer < row.count);
             if voxels.len() > 1 && first_torn_plane.is_none() {
                 first_torn_plane = Some(row.plane);
             }

@@ -22,6 +22,7 @@ pub mod memory;
 pub mod notes;
 pub mod opacity_check;
 pub mod output;
+pub mod overlap;
 pub mod problem;
 pub mod progress;
 mod ray_spacing;

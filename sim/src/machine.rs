@@ -19,7 +19,7 @@ use cube3_channel::{
 use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelGroup, Pixels, Reduce, Reducer};
 use cube3_dsb::bus::{Align, BusCounters, BusUnit, NoBus};
 use cube3_dsb::{DsbSpec, DsbUnit, NoPlanes, PlaneStore, RayPair, Rotator, Store};
-use cube3_host::{AcquisitionMode, BasePlane, ChannelSize, FrameSetup, MachineSpec};
+use cube3_host::{AcquisitionMode, BasePlane, ChannelSize, FrameSetup, MachineSpec, Sections};
 use cube3_trilin::{Interpolate, Interpolator, NoSamples, RaySamples, SampleRay, TrilinSpec, TrilinUnit};
 
 /// Units of a machine, a unit with two ports counted twice.
@@ -224,11 +224,15 @@ impl Machine<Cycle> {
         let lanes = machine.lanes;
         let skew = Skew { coefficients: machine.cfb.skew, lanes };
         let memory = FrameBuffer::with_layout(skew, machine.cfb.layout, dims, voxels)?;
-        let parts = |setup: &FrameSetup| Parts {
-            dsb: PlaneStore::new(&setup.geometry, lanes, machine.dsb.planes),
-            trilin: Interpolator::new(setup, lanes),
-            abc: Shader::new(setup, machine.abc.planes, true),
-            host: Collector { base: BasePlane::empty(&setup.geometry, setup.words.accumulator_bits) },
+        let parts = |setup: &FrameSetup| {
+            let geometry = &setup.geometry;
+            let sections = Sections::of(machine, geometry);
+            Parts {
+                dsb: PlaneStore::new(geometry, lanes, machine.dsb.planes).in_sections(sections),
+                trilin: Interpolator::new(setup, lanes).in_sections(geometry, sections),
+                abc: Shader::new(setup, machine.abc.planes, true).in_sections(setup, sections),
+                host: Collector { base: BasePlane::empty(geometry, setup.words.accumulator_bits) },
+            }
         };
         Machine::assemble(machine, frames, memory, Rotator { lanes }, Reducer::default(), parts)
     }

@@ -208,7 +208,10 @@ impl Case<'_> {
         let volume = grid.bytes().saturating_add(words).saturating_add(masked).saturating_add(thick);
         let turned = if matches!(self.runs, Runs::Function | Runs::Both) { words } else { 0 };
         let modules = if self.runs == Runs::Cycle { modules(self.machine, grid.dims) } else { 0 };
-        let buffers = 2 * (2 * (self.machine.dsb.planes as u64 + 1) + 24) * u64::from(self.runs == Runs::Cycle);
+        // Overlap buffers are pairs of rays, with their lerps, and rows of samples: two of each for every plane.
+        let overlap = if self.machine.rays.section.is_some() { 48 } else { 0 };
+        let buffers =
+            2 * (2 * (self.machine.dsb.planes as u64 + 1) + 24 + overlap) * u64::from(self.runs == Runs::Cycle);
         let bases = 250 * self.passes() + if self.reference { 300 } else { 0 };
         need.with("volume", volume)
             .with("turned volume", turned)

@@ -1,7 +1,7 @@
 //! The traffic of a real run as vectors: what flowed through a unit of arithmetic or addressing while the machine rendered a frame.
 //!
-//! Lines are in the machine's order: planes of ray slots, slots, depths; beams by plane and depth. From the ABC units on, the first plane
-//! and the first slot come last where slots are shared, as [`AbcSpec::order`] says. Values are those of the unit crates'
+//! Lines are in the machine's order: sections and planes of ray slots, slots, depths; beams by section, plane and depth. From the ABC units on,
+//! the first plane and the first slot come last where slots are shared, as [`AbcSpec::order`] says. Values are those of the unit crates'
 //! definitions on the frame's registers and voxels, which the cycle machine equals to the bit; channels are those of a timing run.
 
 use crate::fidelity::Timing;
@@ -13,13 +13,13 @@ use cube3_abc::golden::{
     opacity_class, phong_from, reflectance, shade, view_vector,
 };
 use cube3_cfb::golden::Skew;
-use cube3_cfb::{FrameBuffer, FrameBufferError, scan};
+use cube3_cfb::{FrameBuffer, FrameBufferError, Piece, scan};
 use cube3_cone::golden::{Node, combine, leaf, pixel, reduce};
 use cube3_cone::lanes::Segment;
 use cube3_cone::{place_of_circle, segments};
 use cube3_host::{
     BasePlane, ConeOrder, DiscreteRay, FrameSetup, GradientMethod, GradientScale, LinearFactor, MachineSpec, Phong,
-    RaySlots, Shading,
+    RaySlots, Sections, Shading,
 };
 use cube3_trilin::golden::{Weights, cell, lift};
 use cube3_vectors::{ExpressionError, Format, Set, Tables, Unit, Vectors};
@@ -397,6 +397,9 @@ impl Frame<'_> {
             "bus" if !(parallel && geometry.slots == RaySlots::Wrapped && geometry.size[0] == self.run.machine.lanes) => {
                 Some("its beams are not turned as a whole; take a parallel view of a volume with as many voxels a side as the machine has lanes".into())
             }
+            "bus" if !self.sections().is_whole() => {
+                Some("its beams are turned section by section; leave rays.section out of the machine file".into())
+            }
             _ => None,
         }
     }
@@ -406,17 +409,17 @@ impl Frame<'_> {
         Ok(match unit {
             "cfb" => self.addresses(lines),
             "bus" => return self.turns(lines),
-            "dsb" => self.places(false, |slot, depth, _| lines.add(|| vec![slot as i128, depth as i128])),
-            "lerp" | "trilin" => self.places(false, |_, k, ray| {
+            "dsb" => self.places(self.read(0), |slot, depth, _| lines.add(|| vec![slot as i128, depth as i128])),
+            "lerp" | "trilin" => self.places(self.read(1), |_, k, ray| {
                 if self.setup.geometry.has_sample(ray, k as i64) {
                     lines.add(|| self.interpolation(unit, ray, k))
                 } else {
                     Continue(())
                 }
             }),
-            "leaf" => self.places(true, |_, k, ray| lines.add(|| self.leaf_line(&self.shaded(ray, k)))),
+            "leaf" => self.places(self.shaded_slots(), |_, k, ray| lines.add(|| self.leaf_line(&self.shaded(ray, k)))),
             "node" | "pixel" | "cone" => self.rays(unit, lines),
-            _ => self.places(true, |_, k, ray| {
+            _ => self.places(self.shaded_slots(), |_, k, ray| {
                 if self.setup.geometry.has_sample(ray, k as i64) {
                     self.shading(unit, ray, k, lines)
                 } else {
@@ -426,24 +429,33 @@ impl Frame<'_> {
         })
     }
 
-    /// The slots, plane and number, in the order in which a unit has them: the ABC units, whose rays wait for their neighbours, and what
-    /// follows them have the first last where the last slot is followed by the first.
-    fn slots(&self, from_shading_on: bool) -> impl Iterator<Item = [usize; 2]> + use<> {
-        let spec = AbcSpec::new(self.run.machine, self.setup);
-        (0..spec.slots * spec.planes).map(move |place| {
-            let slot = if from_shading_on { spec.order(place) } else { [place / spec.slots, place % spec.slots] };
-            slot.map(|i| i as usize)
+    /// The slots, plane and number, in the order in which a unit has them that gives a slot when so many more have come.
+    fn read(&self, behind: usize) -> impl Iterator<Item = [usize; 2]> + use<> {
+        let [_, planes] = self.setup.geometry.slot_counts();
+        let sections = self.sections().behind(behind);
+        (0..sections.count()).flat_map(move |section| {
+            (0..planes).flat_map(move |plane| sections.slots(section).map(move |slot| [plane, slot]))
         })
     }
 
-    /// Every plane, slot and depth in order, each with its ray.
+    /// The same for the ABC units, whose rays wait for their neighbours, and what follows them: they have the first last where the last slot
+    /// is followed by the first.
+    fn shaded_slots(&self) -> impl Iterator<Item = [usize; 2]> + use<> {
+        AbcSpec::new(self.run.machine, self.setup).order().map(|slot| slot.map(|i| i as usize))
+    }
+
+    fn sections(&self) -> Sections {
+        Sections::of(self.run.machine, &self.setup.geometry)
+    }
+
+    /// Every depth of these slots in order, each with its ray.
     fn places(
         &self,
-        from_shading_on: bool,
+        slots: impl Iterator<Item = [usize; 2]>,
         mut see: impl FnMut(usize, usize, DiscreteRay) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let geometry = &self.setup.geometry;
-        for [plane, slot] in self.slots(from_shading_on) {
+        for [plane, slot] in slots {
             for depth in 0..geometry.size[2] {
                 see(slot, depth, geometry.ray_in_slot(plane, slot, depth))?;
             }
@@ -454,10 +466,10 @@ impl Frame<'_> {
     /// The voxels that are read, beam by beam.
     fn addresses(&self, lines: &mut Lines<'_>) -> ControlFlow<()> {
         let geometry = &self.setup.geometry;
-        for (plane, depth, row) in scan(geometry) {
+        for ([_, plane, depth], Piece { row, columns }) in scan(geometry, &self.sections()) {
             let below = if geometry.doubled() { geometry.row_below(plane as usize, depth as usize) } else { None };
             for v in [Some(row as usize), below].into_iter().flatten() {
-                for u in 0..geometry.size[0] {
+                for u in columns.iter().cloned().flatten() {
                     let xyz = geometry.axes.voxel(geometry.size, [u, v, depth as usize]);
                     lines.add(|| xyz.map(|i| i as i128).to_vec())?;
                 }
@@ -472,7 +484,7 @@ impl Frame<'_> {
         let skew = Skew { coefficients: machine.cfb.skew, lanes: machine.lanes };
         let buffer = FrameBuffer::with_layout(skew, machine.cfb.layout, self.run.dims, self.run.voxels)?;
         let mut beam = Vec::new();
-        Ok(scan(geometry).try_for_each(|(_, depth, row)| {
+        Ok(scan(geometry, &self.sections()).try_for_each(|([_, _, depth], Piece { row, .. })| {
             lines.add(|| {
                 buffer.fetch(&geometry.axes, row as usize, depth as usize, &mut beam);
                 let column = geometry.u.columns[depth as usize] as usize;
@@ -662,7 +674,7 @@ impl Frame<'_> {
         let setup = self.setup;
         let (cone, words, geometry) = (&setup.cone, &setup.words, &setup.geometry);
         let mode = cone.mode.code().into();
-        for [plane, slot] in self.slots(true) {
+        for [plane, slot] in self.shaded_slots() {
             let at = |k: usize| leaf(&self.shaded(geometry.ray_in_slot(plane, slot, k), k), cone, words);
             if unit == "cone" {
                 for chunk in (0..geometry.size[2]).step_by(cone.leaves) {

@@ -4,11 +4,12 @@
 //! more where the product is rounded to nearest and drops bits. Shifts, selections and table look-ups are none.
 
 use crate::machine::RunCounters;
-use cube3_cfb::memory::reorder_words;
+use crate::overlap::{Overlap, neighbour_slots, sample_slots, voxel_slots};
+use cube3_cfb::memory::{edge_words, reorder_words};
 use cube3_cone::ConeSpec;
 use cube3_host::{
     ConeRegisters, FrameSetup, GradientMethod, GradientScale, Layout, LinearFactor, MachineSpec, MemoryModel, RayEnds,
-    RaySlots, Reuse, Shading, ShadingUnit,
+    RaySlots, Reuse, Sections, Shading, ShadingUnit,
 };
 use cube3_report::{InterfaceReport, LinesReport, MemoryBits, OperatorCounts, OperatorsReport, ResourcesReport};
 use cube3_scene::{MOST_CUTS, MOST_LIGHTS};
@@ -168,14 +169,18 @@ pub(crate) fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSet
     {
         kind("reorder buffer", format!("{held} voxels of {voxel_bits} bits"), held * voxel_bits);
     }
-    // The largest frame sets the size of each buffer; registers and first planes are there twice where frames overlap.
+    // The largest frame sets the size of each buffer; registers and first planes are there twice where frames overlap, and first planes
+    // where a frame has sections, which overlap likewise.
     let twice = if machine.frames.overlap { 2 } else { 1 };
+    let firsts = |setup: &FrameSetup| if Sections::of(machine, &setup.geometry).is_whole() { twice } else { 2 };
     let most = |of: &dyn Fn(&FrameSetup) -> u64| frames.iter().map(of).max().unwrap_or(0);
-    let plane = |setup: &FrameSetup| setup.geometry.slot_counts()[0] as u64 * setup.geometry.size[2] as u64;
+    let depths = |setup: &FrameSetup| setup.geometry.size[2] as u64;
     let closes = |setup: &FrameSetup, axis: usize| u64::from(setup.geometry.closes()[axis]);
     let ring = machine.dsb.planes as u64;
     let copies = |setup: &FrameSetup| if setup.geometry.doubled() { 4 } else { 1 };
-    let planes = most(&|setup| copies(setup) * (ring + twice * closes(setup, 1)) * plane(setup));
+    let planes = most(&|setup| {
+        copies(setup) * (ring + firsts(setup) * closes(setup, 1)) * voxel_slots(machine, setup) * depths(setup)
+    });
     kind("skewed buffers", format!("{planes} voxels of {voxel_bits} bits"), planes * voxel_bits);
     let sample_bits = u64::from(words.sample_bits());
     let kept_rays = match machine.trilin.reuse {
@@ -185,18 +190,35 @@ pub(crate) fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSet
     let kept_planes = u64::from(matches!(machine.trilin.reuse, Reuse::Plane | Reuse::Both));
     let kept = most(&|setup| {
         let first = 2 * closes(setup, 0);
-        (kept_rays + first) * setup.geometry.size[2] as u64 + kept_planes * plane(setup)
+        (kept_rays + first + kept_planes * sample_slots(machine, setup)) * depths(setup)
     });
     kind("lerps kept", format!("{kept} samples of {sample_bits} bits"), kept * sample_bits);
     let shaded = most(&|setup| {
         let ring = if setup.gradient.is_some() {
-            setup.ring(machine.abc.planes) as u64 + twice * 2 * closes(setup, 1)
+            setup.ring(machine.abc.planes) as u64 + firsts(setup) * 2 * closes(setup, 1)
         } else {
             0
         };
-        ring * plane(setup)
+        ring * neighbour_slots(machine, setup) * depths(setup)
     });
     kind("sample planes", format!("{shaded} samples of {sample_bits} bits"), shaded * sample_bits);
+    if machine.cfb.layout == Layout::MiniBlocks {
+        let edges = most(&|setup| edge_words(machine, &setup.geometry));
+        kind(
+            "overlap buffers of voxels",
+            format!("beside the chip, {edges} voxels of {voxel_bits} bits"),
+            edges * voxel_bits,
+        );
+    }
+    let ray_bits = u64::from(ray_bits(machine));
+    let rays = most(&|setup| Overlap::new(machine, setup).rays);
+    kind("overlap buffers of rays", format!("beside the chip, {rays} words of {ray_bits} bits"), rays * ray_bits);
+    let samples = most(&|setup| Overlap::new(machine, setup).samples);
+    kind(
+        "overlap buffers of samples",
+        format!("beside the chip, {samples} samples of {sample_bits} bits"),
+        samples * sample_bits,
+    );
     let shifter = ConeSpec::of(machine, machine.lanes).shifter_words();
     let coloured = u64::from(3 * words.colour_bits + words.opacity_bits);
     kind("shifter before the cone", format!("{shifter} samples of {coloured} bits"), shifter * coloured);
@@ -215,6 +237,14 @@ pub(crate) fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSet
     });
     kind("templates", format!("{twice} × {templates} bits of columns and weights"), twice * templates);
     memory
+}
+
+/// Bits of a ray's word in TRILIN's overlap buffer: lerped along w where lerps of the ray before are kept, and else a voxel.
+fn ray_bits(machine: &MachineSpec) -> u32 {
+    match machine.trilin.reuse {
+        Reuse::Ray | Reuse::Both => machine.words.sample_bits(),
+        Reuse::None | Reuse::Plane => machine.words.voxel_bits,
+    }
 }
 
 /// Bits of the tables of one lane.
@@ -280,7 +310,9 @@ fn interfaces(machine: &MachineSpec, frames: &[FrameSetup], counters: &RunCounte
     let beam = frames.first().map_or(0.0, |setup| setup.geometry.size[0] as f64);
     let slots = |setup: &FrameSetup| setup.geometry.slot_counts().iter().map(|&n| n as f64).product::<f64>();
     let depths = |setup: &FrameSetup| setup.geometry.size[2] as f64;
-    let fetched = counters.beams as f64 * beam;
+    // With sections, beams come in pieces: together all voxels.
+    let all = |setup: &FrameSetup| setup.geometry.size.iter().map(|&n| n as f64).product::<f64>();
+    let fetched = if machine.rays.section.is_some() { sum(&all) } else { counters.beams as f64 * beam };
     let rays = sum(&|setup| slots(setup) * depths(setup));
     // Voxels that a ray brings for each depth: of two planes, or a cell of its own.
     let corners_of = |setup: &FrameSetup| if setup.geometry.doubled() { 4.0 } else { 2.0 };
@@ -313,6 +345,13 @@ fn interfaces(machine: &MachineSpec, frames: &[FrameSetup], counters: &RunCounte
             counters.host.bytes as f64,
         ),
     ]);
+    let overlaps = frames.iter().map(|setup| Overlap::new(machine, setup));
+    let moved = overlaps
+        .map(|overlap| overlap.rays_moved as f64 * bytes(ray_bits(machine)) + overlap.samples_moved as f64 * sample);
+    let moved: f64 = moved.sum();
+    if moved > 0.0 {
+        interfaces.push(interface("overlap buffers", None, moved));
+    }
     if machine.boards.count > 1 {
         // Each board has a link to its neighbour, which carries words in two directions.
         let words = machine.boards.link_words_per_cycle.map(|words| 2.0 * machine.boards.count as f64 * words);

@@ -162,6 +162,7 @@ fn check_machine(machine: &MachineSpec) -> Result<(), RtlFrameError> {
         "bus with fewer words than lanes",
         "leave bus.channels and bus.clock_hz out of the machine file",
     )?;
+    unsupported(machine.rays.section.is_some(), "sections", "leave rays.section out of the machine file")?;
     unsupported(machine.boards.count != 1, "links between boards", "set boards.count = 1 in the machine file")?;
     unsupported(
         machine.dsb != Dsb::default() || machine.abc.planes != default.abc.planes,

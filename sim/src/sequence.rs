@@ -23,7 +23,7 @@ use crate::progress::{Progress, Waiting};
 use crate::reference::{self, Reference, check_reference, reference_error, reference_picture};
 use crate::run::{Asked, Found, MachineRun, Pictures, RunOptions, RunResult, Runs, function, measure, show};
 use cube3_cfb::{AcquisitionPort, PortSpec};
-use cube3_host::{AcquisitionMode, BasePlane, FrameSetup, MachineSpec, PictureFrames, picture_setup};
+use cube3_host::{AcquisitionMode, BasePlane, FrameSetup, MachineSpec, PictureFrames, Sections, picture_setup};
 use cube3_metrics::{ImageError, Picture, compare, footprint};
 use cube3_report::{AcquisitionReport, DigestReport, FrameReport, NO_OBJECT, SequenceReport, WallReport};
 use cube3_scene::{Scene, VolumeSource};
@@ -281,7 +281,9 @@ pub fn run_sequence(
             _ => 0,
         };
         let sights: Option<Vec<Sight<'_>>> = seen.as_mut().map(|seen| {
-            frame.setups.iter().map(|setup| Sight::next(&setup.geometry, first.words.dims, seen)).collect()
+            let sections = |geometry| Sections::of(machine, geometry);
+            let sight = |geometry| Sight::next(geometry, sections(geometry), first.words.dims, seen);
+            frame.setups.iter().map(|setup| &setup.geometry).map(sight).collect()
         });
         let mixtures: Vec<Mixture> = match &sights {
             Some(sights) => sights.iter().map(Sight::mixture).collect(),

@@ -143,7 +143,8 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
     let methods = proptest::sample::select(GradientMethod::ALL.map(|(method, _)| method).to_vec());
     let size = (1_usize..6, 1_u64..5).prop_map(|(capacity, latency)| ChannelSize { capacity, latency });
     let channels = [size.clone(), size.clone(), size.clone(), size.clone(), size.clone(), size];
-    let ends = (any::<bool>(), 1_u32..6);
+    // Sections of ray slots, half of the time.
+    let ends = (any::<bool>(), 1_u32..6, proptest::option::weighted(0.5, 1_usize..9));
     let rays = (any::<bool>(), any::<bool>(), 0.0..1.0_f64, prop_oneof![Just(0.5), 0.1..2.0_f64], ends);
     let rest = (
         1_usize..=9,
@@ -157,7 +158,7 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
             words,
             gradient,
             channels,
-            (padded, plane, offset, grid, (exact, reach)),
+            (padded, plane, offset, grid, (exact, reach, section)),
             (lanes, skew, planes, reuse, table),
             ((memory_clock_hz, cfb), fabric),
         )| {
@@ -179,6 +180,7 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
                     offset,
                     grid,
                     ends: if exact { RayEnds::Exact } else { RayEnds::Published },
+                    section,
                 },
                 clock_hz: 50e6,
                 cfb: Cfb { skew, memory_clock_hz, ..cfb },
@@ -334,7 +336,7 @@ pub fn from_eye(scene: &Scene, perspective: Perspective) -> Scene {
     Scene { view, image, ..scene.clone() }
 }
 
-/// The machine with a gradient and a shading unit that it has in perspective.
+/// The machine with a gradient and a shading unit that it has in perspective, a bus for eyes, and planes taken whole.
 pub fn for_perspective(machine: &MachineSpec) -> MachineSpec {
     let gradient = match machine.abc.gradient {
         GradientMethod::Ten => GradientMethod::Twelve,
@@ -343,5 +345,6 @@ pub fn for_perspective(machine: &MachineSpec) -> MachineSpec {
     };
     let abc = Abc { gradient, shading: ShadingUnit::Phong, ..machine.abc };
     let bus = Bus { kind: BusKind::Gather, ..machine.bus };
-    MachineSpec { abc, bus, ..machine.clone() }
+    let rays = Rays { section: None, ..machine.rays };
+    MachineSpec { abc, bus, rays, ..machine.clone() }
 }

@@ -4,10 +4,10 @@
 use cube3::acquisition::{Mixture, Sight};
 use cube3::function::{CanonicalVolume, render};
 use cube3::machine::Machine;
-use cube3_cfb::{AcquisitionPort, PortSpec};
+use cube3_cfb::{AcquisitionPort, Piece, PortSpec};
 use cube3_channel::Reason;
 use cube3_host::{
-    Acquisition, AcquisitionMode, FrameSetup, Frames, MachineSpec, RaySlots, Rays, VolumeInfo, frame_setup,
+    Acquisition, AcquisitionMode, FrameSetup, Frames, MachineSpec, RaySlots, Rays, Sections, VolumeInfo, frame_setup,
 };
 use cube3_scene::{Scene, View};
 use cube3_tests::{machines, scenes, volumes};
@@ -24,8 +24,14 @@ fn port(machine: &Machine<impl cube3::fidelity::Fidelity>) -> &AcquisitionPort {
     machine.port().unwrap()
 }
 
-fn sights<'a>(setups: &'a [FrameSetup], dims: [usize; 3], mut seen: &'a [u64]) -> Vec<Sight<'a>> {
-    setups.iter().map(|setup| Sight::next(&setup.geometry, dims, &mut seen)).collect()
+fn sights<'a>(
+    machine: &MachineSpec,
+    setups: &'a [FrameSetup],
+    dims: [usize; 3],
+    mut seen: &'a [u64],
+) -> Vec<Sight<'a>> {
+    let sections = |geometry| Sections::of(machine, geometry);
+    setups.iter().map(|setup| Sight::next(&setup.geometry, sections(&setup.geometry), dims, &mut seen)).collect()
 }
 
 /// Volumes of one grid whose words differ from each other's.
@@ -74,7 +80,7 @@ proptest! {
         prop_assert_eq!(cycle.counters(), timing.counters());
         prop_assert_eq!(port(&cycle), port(&timing));
 
-        let sights = sights(&setups, volume.dims, port(&timing).seen());
+        let sights = sights(&machine, &setups, volume.dims, port(&timing).seen());
         let bases = cycle.into_base_planes();
         let mut newest = 0;
         for ((setup, sight), base) in setups.iter().zip(sights).zip(bases) {
@@ -99,9 +105,9 @@ proptest! {
     #[test]
     fn frames_of_one_picture_are_mixed_as_all_of_their_voxels_are(
         dims in [1_usize..6, 1_usize..6, 1_usize..6], slopes in [[0.0..=1.0_f64, 0.0..=1.0_f64], [0.0..=1.0_f64, 0.0..=1.0_f64]],
-        steps in proptest::collection::vec(0_u64..9, 300), start in [0_u64..400, 0_u64..400], still: bool,
+        steps in proptest::collection::vec(0_u64..9, 1000), start in [0_u64..400, 0_u64..400], still: bool, section in proptest::option::of(1_usize..7),
     ) {
-        let machine = MachineSpec::default();
+        let machine = MachineSpec { rays: Rays { section, ..Rays::default() }, ..MachineSpec::default() };
         let info = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };
         let setups: Vec<FrameSetup> = slopes.iter().map(|&[du, dv]| {
             let scene = Scene { view: View::from_direction([du, dv, 1.0], None), ..Scene::default() };
@@ -111,20 +117,21 @@ proptest! {
         let (mut parts, mut counts, mut mixed_beams) = (Vec::new(), std::collections::BTreeMap::new(), 0);
         for (setup, start) in setups.iter().zip(start) {
             let geometry = &setup.geometry;
-            let beams: Vec<(u32, u32, u32)> = cube3_cfb::scan(geometry).collect();
+            let sections = Sections::of(&machine, geometry);
+            let beams: Vec<([u32; 3], Piece)> = cube3_cfb::scan(geometry, &sections).collect();
             let mut seen = Vec::new();
             for &step in steps.iter().take(beams.len()) {
                 seen.push(seen.last().map_or(start, |last| last + if still { 0 } else { step }));
             }
-            for (&(_, depth, row), &seen) in beams.iter().zip(&seen) {
-                let volumes: Vec<u64> = (0..geometry.size[0]).map(|u| {
-                    let [x, y, z] = geometry.axes.voxel(geometry.size, [u, row as usize, depth as usize]);
+            for (([_, _, depth], Piece { row, columns }), &seen) in beams.iter().zip(&seen) {
+                let volumes: Vec<u64> = columns.iter().cloned().flatten().map(|u| {
+                    let [x, y, z] = geometry.axes.voxel(geometry.size, [u, *row as usize, *depth as usize]);
                     (seen + (voxels - 1) as u64 - (x + dims[0] * (y + dims[1] * z)) as u64) / voxels as u64
                 }).collect();
                 mixed_beams += u64::from(volumes.iter().any(|volume| *volume != volumes[0]));
                 volumes.into_iter().for_each(|volume| *counts.entry(volume).or_insert(0_u64) += 1);
             }
-            parts.push(Sight::next(geometry, dims, &mut seen.as_slice()).mixture());
+            parts.push(Sight::next(geometry, sections, dims, &mut seen.as_slice()).mixture());
         }
         let picture = parts[0].and(parts[1]);
         let (oldest, of_oldest) = counts.first_key_value().unwrap();
@@ -203,7 +210,7 @@ proptest! {
         run.acquire(PortSpec::new(&machine, [n; 3], None));
         run.run(&|_, _| {}).unwrap();
         let seen = port(&run).seen();
-        let mixtures = sights(&setups, [n; 3], seen).iter().map(Sight::mixture).collect::<Vec<_>>();
+        let mixtures = sights(&machine, &setups, [n; 3], seen).iter().map(Sight::mixture).collect::<Vec<_>>();
         prop_assert!(!mixtures.iter().any(Mixture::is_torn));
         let shown: Vec<u64> = mixtures.iter().map(|mixture| mixture.oldest).collect();
         prop_assert_eq!(shown[0], 0);
@@ -240,7 +247,10 @@ fn modules_of_mini_blocks_lose_the_stolen_cycles_and_no_more() {
         assert!(stolen > 0);
         assert_eq!(run.counters().cycles, alone.counters().cycles + stolen);
         assert_eq!(run.counters().units[0].1.busy, alone.counters().units[0].1.busy);
-        assert_eq!((run.counters().memory, run.counters().reorder), (alone.counters().memory, alone.counters().reorder));
+        assert_eq!(
+            (run.counters().memory, run.counters().reorder),
+            (alone.counters().memory, alone.counters().reorder)
+        );
         assert!(port(&run).written() >= 4 * stolen);
     }
 }
@@ -264,7 +274,7 @@ fn a_source_that_stops_leaves_its_last_volume() {
     run.run(&|_, _| {}).unwrap();
     assert_eq!(port(&run).written(), 2 * 512);
     let setups = vec![setup; 5];
-    let last = sights(&setups, [8; 3], port(&run).seen())[4].mixture();
+    let last = sights(&machine, &setups, [8; 3], port(&run).seen())[4].mixture();
     assert_eq!((last.oldest, last.newest, last.newer), (2, 2, 0));
 }
 
@@ -295,7 +305,13 @@ fn tearing_has_its_closed_form_when_a_volume_is_written_within_a_frame() {
                 beam += 1;
             }
         }
-        let mixture = Sight::next(&setup.geometry, [n as usize; 3], &mut port(&run).seen()).mixture();
+        let mixture = Sight::next(
+            &setup.geometry,
+            Sections::of(&machine, &setup.geometry),
+            [n as usize; 3],
+            &mut port(&run).seen(),
+        )
+        .mixture();
         assert_eq!((mixture.newer, mixture.oldest, mixture.newest), (newer, 0, 1), "{slots:?}");
         assert_eq!(mixture.first_torn_plane, Some(0));
     }

@@ -8,7 +8,7 @@ use cube3_cone::Pixels;
 use cube3_cone::golden::{Node, leaf, pixel};
 use cube3_cone::segments;
 use cube3_host::{
-    ConeOrder, FrameSetup, GradientMethod, LinearFactor, MachineSpec, Phong, PhongLight, RayEnds, Shading,
+    ConeOrder, FrameSetup, GradientMethod, LinearFactor, MachineSpec, Phong, PhongLight, RayEnds, Sections, Shading,
     picture_setup,
 };
 use cube3_scene::{Perspective, Scene};
@@ -345,7 +345,7 @@ proptest! {
                     let [x, y, z] = geometry.axes.voxel(geometry.size, uvw);
                     volume.words.get(x + volume.dims[0] * (y + volume.dims[1] * z)).copied()
                 };
-                for ((plane, k, _), line) in cube3_cfb::scan(geometry).zip(&turned.outputs) {
+                for (([_, plane, k], _), line) in cube3_cfb::scan(geometry, &Sections::new(geometry, None)).zip(&turned.outputs) {
                     for slot in 0..machine.lanes {
                         let lane = (slot + k as usize) % machine.lanes;
                         prop_assert_eq!(Some(line[1 + lane] as u16), word(plane as usize, slot, k as usize));

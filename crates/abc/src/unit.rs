@@ -6,15 +6,21 @@
 //! A ray is shaded when its neighbours in the planes above and below have come, in near frames several planes away. Where slots are shared, the last
 //! plane's neighbour is the first, so the first is shaded last; rays of a plane likewise. Without a gradient,
 //! rays pass straight through.
+//!
+//! Where the slots of a plane are taken in sections, planes of the ring are those of one section. The last two rays of a section, which the
+//! next one needs beside its own, go to an overlap buffer with two for every plane; so do the first two of the plane where slots are shared.
 
 use crate::ends::{End, ray_ends};
 use crate::golden::Shaded;
 use crate::lanes::{AbcLanes, Around, HERE, Neighbour, Neighbours, ShadedBlock, ShadedRow, reads};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, PortState, Wait};
-use cube3_host::{BESIDE, DiscreteRay, FrameSetup, Geometry, GradientMethod, MachineSpec, RayStretches, SampleBounds};
+use cube3_host::{
+    BESIDE, DiscreteRay, FrameSetup, Geometry, GradientMethod, MachineSpec, RayStretches, SampleBounds, Sections,
+};
 use cube3_trilin::{RaySamples, SampleRay};
 use cube3_word::{BLOCK, Block};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// A slot of coloured samples.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -105,6 +111,8 @@ pub struct Shader {
     planes: Vec<Plane>,
     /// How many the first are.
     kept: usize,
+    /// What each plane has for other sections than the one in hand, where there are several.
+    overlap: Option<Overlap>,
     overflows: u64,
     /// Of a parallel frame; perspective asks for each sample.
     parallel: Option<Parallel>,
@@ -113,6 +121,67 @@ pub struct Shader {
     stretches: Option<RayStretches>,
     /// The ends of the rays of the slot in hand, by depth.
     ends: Vec<End>,
+}
+
+/// Rays of a plane that a section needs of those before it.
+const BORDER: usize = 2;
+
+/// The overlap buffers: rows of every plane that other sections need.
+#[derive(Clone, Debug)]
+struct Overlap {
+    /// Sections of the rays that come.
+    sections: Sections,
+    /// Planes of the frame.
+    planes: usize,
+    /// Whether rays wait for their neighbours.
+    buffered: bool,
+    /// Whether the last slot's neighbour is the first.
+    closes: bool,
+    /// Of each plane the rows of the last slots so far: slot j is in row j mod 2.
+    borders: Vec<Plane>,
+    /// Of each plane the rows of slots 0 and 1, where slots are shared.
+    firsts: Vec<Plane>,
+}
+
+impl Overlap {
+    /// A plane of the section that a slot comes with, counted over all sections.
+    fn plane_of_ray(&self, plane: usize, slot: usize) -> usize {
+        self.sections.section(slot) * self.planes + plane
+    }
+
+    /// A plane of the section in which a slot has all of its neighbours.
+    fn plane_of_shaded(&self, plane: usize, slot: usize, slots: usize) -> usize {
+        let last = match (self.buffered, self.closes) {
+            (false, _) => slot,
+            (true, true) if slot == 0 => slots - 1,
+            (true, _) => (slot + 1).min(slots - 1),
+        };
+        self.plane_of_ray(plane, last)
+    }
+
+    /// The rows that the ring gets with the first ray of a section's plane: each slot with where its row is.
+    fn rows_before<'a>(&'a self, plane: usize, slot: usize, row: usize) -> impl Iterator<Item = (usize, &'a [i32])> {
+        let section = self.sections.section(slot);
+        let starts = self.sections.slots(section).start == slot;
+        let borders = if starts { slot.saturating_sub(BORDER)..slot } else { 0..0 };
+        let last = starts && self.closes && section + 1 == self.sections.count();
+        let firsts = if last { 0..BORDER.min(borders.start) } else { 0..0 };
+        let kept = move |planes: &'a [Plane], slot: usize| (slot, &planes[plane][slot % BORDER * row..][..row]);
+        let borders = borders.map(move |slot| kept(&self.borders, slot));
+        borders.chain(firsts.map(move |slot| kept(&self.firsts, slot)))
+    }
+
+    /// Keeps the row of a slot for other sections.
+    fn keep(&mut self, plane: usize, slot: usize, row: &[i32]) {
+        let place = slot % BORDER * row.len()..(slot % BORDER + 1) * row.len();
+        let section = self.sections.section(slot);
+        if section + 1 < self.sections.count() && slot + BORDER >= self.sections.slots(section).end {
+            self.borders[plane][place.clone()].copy_from_slice(row);
+        }
+        if self.closes && slot < BORDER {
+            self.firsts[plane][place].copy_from_slice(row);
+        }
+    }
 }
 
 /// What whole rays of a parallel frame are gathered with.
@@ -128,7 +197,7 @@ struct Parallel {
     placed: bool,
     /// The rays of the slot and of the plane in hand, by depth.
     rays: [Vec<i32>; 2],
-    /// Where the plane above the one in hand is kept, that one, and the one below, and which one that is.
+    /// Where the plane above the one in hand is kept, that one, and the one below, and which one that is, counted over all sections.
     planes: [usize; 3],
     around: Option<usize>,
 }
@@ -193,16 +262,17 @@ fn select(samples: [&Block<i32>; 4], bits: [u16; 4], border: i32) -> [Block<i32>
     out
 }
 
-/// Where a plane is kept to be read, of `planes` buffers of which the first `kept` are those of the first planes.
+/// Where a plane is kept to be read, of `planes` buffers of which the first `kept` are those of the first planes; `counted` is the plane
+/// counted over all sections.
 #[inline]
-fn place(plane: usize, kept: usize, planes: usize) -> usize {
-    if plane < kept { plane } else { in_ring(plane, kept, planes) }
+fn place(plane: usize, counted: usize, kept: usize, planes: usize) -> usize {
+    if plane < kept { plane } else { in_ring(counted, kept, planes) }
 }
 
-/// Where it is in the ring behind those.
+/// Where a plane, counted over all sections, is in the ring behind those.
 #[inline]
-fn in_ring(plane: usize, kept: usize, planes: usize) -> usize {
-    kept + plane % (planes - kept)
+fn in_ring(counted: usize, kept: usize, planes: usize) -> usize {
+    kept + counted % (planes - kept)
 }
 
 impl Shader {
@@ -221,6 +291,7 @@ impl Shader {
             row,
             planes: vec![empty; kept + ring],
             kept,
+            overlap: None,
             overflows: 0,
             parallel,
             perspective: Any { around: vec![vec![0; setup.geometry.size[2]]; rows], row: ShadedRow::default() },
@@ -229,15 +300,34 @@ impl Shader {
         }
     }
 
+    /// The same for a frame that is taken in sections. A plane of the ring has a row for every slot, though the machine's has rows for those
+    /// of one section.
+    #[must_use]
+    pub fn in_sections(mut self, setup: &FrameSetup, sections: Sections) -> Shader {
+        let geometry = &setup.geometry;
+        let [_, planes] = geometry.slot_counts();
+        let closes = geometry.closes()[0];
+        let rows = |planes| vec![vec![0; BORDER * self.row]; planes];
+        self.overlap = (!sections.is_whole()).then(|| Overlap {
+            sections: sections.behind(1),
+            planes,
+            buffered: setup.gradient.is_some(),
+            closes,
+            borders: rows(planes),
+            firsts: rows(if closes { planes } else { 0 }),
+        });
+        self
+    }
+
     /// Words saturated so far.
     pub fn overflows(&self) -> u64 {
         self.overflows
     }
 
-    /// The row of a slot: a word, and then the samples in order of depth.
+    /// The row of a slot of a frame that is taken whole: a word, and then the samples in order of depth.
     #[inline]
     fn samples(&self, plane: usize, slot: usize) -> &[i32] {
-        &self.planes[place(plane, self.kept, self.planes.len())][slot * self.row..][..self.row]
+        &self.planes[place(plane, plane, self.kept, self.planes.len())][slot * self.row..][..self.row]
     }
 
     /// Fills one of the 27 neighbour rays: the samples at displacement (u, v, w), u and v in units of the depth's reach, or the border.
@@ -283,7 +373,8 @@ impl Shade for Shader {
     fn take(&mut self, _: &FrameSetup, ray: &mut SampleRay<RaySamples>) {
         let (plane, slot) = (ray.plane as usize, ray.slot as usize);
         let row = slot * self.row..(slot + 1) * self.row;
-        let held = in_ring(plane, self.kept, self.planes.len());
+        let counted = self.overlap.as_ref().map_or(plane, |overlap| overlap.plane_of_ray(plane, slot));
+        let held = in_ring(counted, self.kept, self.planes.len());
         let place = &mut self.planes[held][row.clone()];
         for (from, block) in ray.data.0.iter().enumerate() {
             if let Some(place) = place[from * BLOCK + 1..].first_chunk_mut() {
@@ -292,7 +383,16 @@ impl Shade for Shader {
         }
         if plane < self.kept {
             let (first, ring) = self.planes.split_at_mut(self.kept);
-            first[plane][row.clone()].copy_from_slice(&ring[held - self.kept][row]);
+            first[plane][row.clone()].copy_from_slice(&ring[held - self.kept][row.clone()]);
+        }
+        if let Some(overlap) = &mut self.overlap {
+            let kept = (plane < self.kept).then_some(plane);
+            for (slot, samples) in overlap.rows_before(plane, slot, self.row) {
+                for place in kept.into_iter().chain([held]) {
+                    self.planes[place][slot * self.row..][..self.row].copy_from_slice(samples);
+                }
+            }
+            overlap.keep(plane, slot, &self.planes[held][row]);
         }
     }
 
@@ -316,7 +416,9 @@ impl Shade for Shader {
 impl Shader {
     /// A slot of a parallel frame, whose neighbours are those of the same slots and planes at every depth.
     fn shade_parallel(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut ShadedSamples) {
-        let Shader { arithmetic, planes: buffers, row, kept, overflows, parallel: Some(parallel), ends, .. } = self
+        let Shader {
+            arithmetic, planes: buffers, row, kept, overlap, overflows, parallel: Some(parallel), ends, ..
+        } = self
         else {
             return;
         };
@@ -325,12 +427,14 @@ impl Shader {
         parallel.aim(geometry, plane, slot);
         let border = setup.gradient.map_or(0, |registers| registers.border);
         let [slots, planes] = geometry.slot_counts();
-        if parallel.around != Some(plane) {
+        let counted = overlap.as_ref().map_or(plane, |overlap| overlap.plane_of_shaded(plane, slot, slots));
+        if parallel.around != Some(counted) {
             // Beyond the last plane comes the first where they are shared, and else nothing that is in the volume.
             let above = plane.checked_sub(1).unwrap_or(planes - 1);
             let below = if plane + 1 < planes { plane + 1 } else { 0 };
-            parallel.planes = [above, plane, below].map(|plane| place(plane, *kept, buffers.len()));
-            parallel.around = Some(plane);
+            let of_section = counted - plane;
+            parallel.planes = [above, plane, below].map(|plane| place(plane, of_section + plane, *kept, buffers.len()));
+            parallel.around = Some(counted);
         }
         // Likewise slots.
         let left = slot.checked_sub(1).unwrap_or(slots - 1);
@@ -455,6 +559,8 @@ pub struct AbcSpec {
     pub reach: u64,
     /// Planes of samples in the ring: above, current, below, and those that come in.
     pub ring: u64,
+    /// Sections of the rays that come: TRILIN gives a ray when the next has come.
+    pub sections: Sections,
 }
 
 impl AbcSpec {
@@ -469,13 +575,30 @@ impl AbcSpec {
             buffered: setup.gradient.is_some(),
             reach: setup.most_reach() as u64,
             ring: setup.ring(machine.abc.planes) as u64,
+            sections: Sections::of(machine, &setup.geometry).behind(1),
         }
     }
 
-    /// The e-th slot to be shaded: plane and ray. Where the last is followed by the first, the first comes last.
-    #[inline]
-    pub fn order(&self, e: u64) -> [u64; 2] {
-        self.turned([e / self.slots, e % self.slots])
+    /// The slots that come with a section.
+    fn taken(&self, section: usize) -> Range<u64> {
+        let Range { start, end } = self.sections.slots(section);
+        start as u64..end as u64
+    }
+
+    /// The slots that are shaded in a section, counted in the order in which they are: those whose neighbours have all come.
+    fn given(&self, section: usize) -> Range<u64> {
+        let behind = if self.buffered { self.reach as usize + usize::from(self.closes[0]) } else { 0 };
+        let Range { start, end } = self.sections.behind(behind).slots(section);
+        start as u64..end as u64
+    }
+
+    /// The slots of a frame, plane and ray, in the order in which they are shaded. Where the last is followed by the first, the first
+    /// comes last.
+    pub fn order(&self) -> impl Iterator<Item = [u64; 2]> + use<> {
+        let spec = *self;
+        let planes = move |section| (0..spec.planes).map(move |plane| (plane, spec.given(section)));
+        let counted = (0..spec.sections.count()).flat_map(planes);
+        counted.flat_map(move |(plane, slots)| slots.map(move |slot| spec.turned([plane, slot])))
     }
 
     /// The same for the plane and slot that would be next if the first came first.
@@ -510,39 +633,58 @@ impl AbcSpec {
     /// How many rays must have come before a slot can be shaded.
     #[inline]
     pub fn needed(&self, plane: u64, slot: u64) -> u64 {
+        let last = self.last([plane, slot]);
+        let of_section = self.taken(self.sections.section(last[1] as usize));
+        of_section.start * self.planes + in_section(&of_section, last) + 1
+    }
+
+    /// The last plane and ray that a slot needs.
+    #[inline]
+    fn last(&self, [plane, slot]: [u64; 2]) -> [u64; 2] {
         if !self.buffered {
-            return plane * self.slots + slot + 1;
+            return [plane, slot];
         }
         let last = |i: u64, n: u64, closes: bool| if closes && i == 0 { n - 1 } else { (i + self.reach).min(n - 1) };
-        last(plane, self.planes, self.closes[1]) * self.slots + last(slot, self.slots, self.closes[0]) + 1
+        [last(plane, self.planes, self.closes[1]), last(slot, self.slots, self.closes[0])]
     }
+}
+
+/// Rays of a section, which has these slots, before the one of a plane and slot.
+#[inline]
+fn in_section(slots: &Range<u64>, [plane, slot]: [u64; 2]) -> u64 {
+    plane * (slots.end - slots.start) + slot - slots.start
 }
 
 /// The ABC unit.
 #[derive(Clone, Debug)]
 pub struct AbcUnit<A> {
-    frames: Vec<AbcFrame<A>>,
+    frames: Vec<(AbcSpec, A)>,
+    passes: Vec<Pass>,
     state: State,
     account: Account,
 }
 
-/// A frame's data sheet and arithmetic.
+/// A section of a frame with rays in it.
 #[derive(Clone, Debug)]
-struct AbcFrame<A> {
-    spec: AbcSpec,
-    arithmetic: A,
-    /// Rays of the frames before.
-    base: u64,
+struct Pass {
+    frame: u32,
+    /// Slots that come, and that are shaded in the order in which they are.
+    taken: Range<u64>,
+    given: Range<u64>,
+    /// Rays and planes of the passes before.
+    rays: u64,
+    planes: u64,
 }
 
 /// Where the two ports are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct State {
-    /// Rays taken, over all frames.
+    /// Rays taken, over all frames, and the pass of the next.
     taken: u64,
-    /// Frame that is being given.
-    frame: u32,
-    /// Planes and slots of the next given of that frame, counted in the order in which they are.
+    taking: u32,
+    /// Pass that is being given.
+    giving: u32,
+    /// Plane and slot of the next given of that pass, counted in the order in which they are.
     next: [u64; 2],
     take_spent: u64,
     give_spent: u64,
@@ -554,12 +696,33 @@ impl<A: Shade> AbcUnit<A> {
 
     /// Units at the start of the first frame: a data sheet and the arithmetic for each.
     pub fn new(parts: impl IntoIterator<Item = (AbcSpec, A)>) -> AbcUnit<A> {
-        let mut base = 0;
-        let frame = |(spec, arithmetic): (AbcSpec, A)| {
-            base += spec.slots * spec.planes;
-            AbcFrame { spec, arithmetic, base: base - spec.slots * spec.planes }
-        };
-        AbcUnit { frames: parts.into_iter().map(frame).collect(), state: State::default(), account: Account::default() }
+        let frames: Vec<(AbcSpec, A)> = parts.into_iter().collect();
+        let (mut passes, mut rays, mut planes) = (Vec::new(), 0, 0);
+        for (frame, (spec, _)) in (0..).zip(&frames) {
+            for section in 0..spec.sections.count() {
+                let taken = spec.taken(section);
+                let width = taken.end - taken.start;
+                if width > 0 {
+                    passes.push(Pass { frame, taken, given: spec.given(section), rays, planes });
+                    rays += width * spec.planes;
+                    planes += spec.planes;
+                }
+            }
+        }
+        let mut unit = AbcUnit { frames, passes, state: State::default(), account: Account::default() };
+        unit.aim();
+        unit
+    }
+
+    /// Goes on to the next pass in which slots are shaded: narrow sections at a frame's start have none yet.
+    fn aim(&mut self) {
+        while let Some(pass) = self.passes.get(self.state.giving as usize) {
+            self.state.next = [0, pass.given.start];
+            if !pass.given.is_empty() {
+                break;
+            }
+            self.state.giving += 1;
+        }
     }
 
     /// One cycle: a ray is taken and a ray is given, at most. `frames` are the registers of all frames.
@@ -585,46 +748,51 @@ impl<A: Shade> AbcUnit<A> {
         let Some(ray) = samples.front() else {
             return Activity::Starved;
         };
-        let frame = ray.frame;
-        if !self.has_buffer(frame, u64::from(ray.plane)) {
+        if !self.has_buffer(u64::from(ray.plane)) {
             return Activity::Blocked;
         }
-        let AbcFrame { spec, arithmetic, .. } = &mut self.frames[frame as usize];
+        let frame = ray.frame as usize;
+        let (spec, arithmetic) = &mut self.frames[frame];
         if self.state.take_spent + 1 < spec.ray_cycles {
             self.state.take_spent += 1;
             return Activity::Busy;
         }
         if let Some(ray) = samples.pop_slot() {
-            arithmetic.take(&frames[frame as usize], ray);
+            arithmetic.take(&frames[frame], ray);
         }
         self.state.take_spent = 0;
         self.state.taken += 1;
+        let behind = self.passes.get(self.state.taking as usize + 1);
+        self.state.taking += u32::from(behind.is_some_and(|behind| behind.rays == self.state.taken));
         Activity::Busy
     }
 
-    /// Whether the ring has a buffer for a plane: the one above the plane being shaded is still needed. The buffers of first planes
-    /// serve two frames, the one being shaded and the next.
+    /// Whether the ring has a buffer for a plane of the pass that is being taken: the one above the plane being shaded is still needed. The
+    /// buffers of first planes serve two passes, the one being shaded and the next.
     #[inline]
-    fn has_buffer(&self, frame: u32, plane: u64) -> bool {
-        let Some(AbcFrame { spec, .. }) = self.frames.get(self.state.frame as usize) else {
+    fn has_buffer(&self, plane: u64) -> bool {
+        let Some(giving) = self.passes.get(self.state.giving as usize) else {
             return true;
         };
-        let oldest = spec.oldest(self.state.next[0]);
-        if frame == self.state.frame {
-            return plane < oldest + spec.ring;
-        }
+        let Some(taking) = self.passes.get(self.state.taking as usize) else {
+            return false;
+        };
+        let spec = &self.frames[giving.frame as usize].0;
         // The next frame's ring may be the smaller one: its neighbours may be nearer.
-        let next = self.frames.get(frame as usize).map_or(0, |next| next.spec.ring);
-        frame == self.state.frame + 1 && spec.planes - oldest + plane < spec.ring && plane < next
+        let ring = &self.frames[taking.frame as usize].0.ring;
+        self.state.taking <= self.state.giving + 1
+            && taking.planes + plane < giving.planes + spec.oldest(self.state.next[0]) + spec.ring
+            && (taking.frame == giving.frame || plane < *ring)
     }
 
     #[inline]
     fn give(&mut self, frames: &[FrameSetup], shaded: &mut Channel<ShadedRay<A::Output>>) -> Activity {
-        let Some(AbcFrame { spec, arithmetic, base }) = self.frames.get_mut(self.state.frame as usize) else {
+        let Some(pass) = self.passes.get(self.state.giving as usize) else {
             return Activity::Starved;
         };
+        let (spec, arithmetic) = &mut self.frames[pass.frame as usize];
         let [plane, slot] = spec.turned(self.state.next);
-        if self.state.taken < *base + spec.needed(plane, slot) {
+        if self.state.taken <= pass.rays + in_section(&pass.taken, spec.last([plane, slot])) {
             return Activity::Starved;
         }
         if self.state.give_spent + 1 < spec.ray_cycles {
@@ -634,39 +802,40 @@ impl<A: Shade> AbcUnit<A> {
         let Some(output) = shaded.push_slot() else {
             return Activity::Blocked;
         };
-        output.frame = self.state.frame;
+        output.frame = pass.frame;
         output.plane = plane as u32;
         output.slot = slot as u32;
-        let setup = &frames[self.state.frame as usize];
+        let setup = &frames[pass.frame as usize];
         arithmetic.give(setup, plane as usize, slot as usize, &mut output.data);
         self.state.give_spent = 0;
         let [plane, slot] = &mut self.state.next;
         *slot += 1;
-        if *slot == spec.slots {
-            (*plane, *slot) = (*plane + 1, 0);
+        if *slot == pass.given.end {
+            (*plane, *slot) = (*plane + 1, pass.given.start);
         }
         if *plane == spec.planes {
-            *plane = 0;
-            self.state.frame += 1;
+            self.state.giving += 1;
+            self.aim();
         }
         Activity::Busy
     }
 
     /// Whether every ray of every frame has been given.
     pub fn done(&self) -> bool {
-        self.state.frame as usize == self.frames.len()
+        self.state.giving as usize == self.passes.len()
     }
 
     /// What stops the unit inside, when nothing moves.
     pub fn inner_wait(&self, samples: &Channel<SampleRay<A::Input>>) -> Option<Wait> {
         let ray = samples.front()?;
-        if self.has_buffer(ray.frame, u64::from(ray.plane)) {
+        if self.has_buffer(u64::from(ray.plane)) {
             return None;
         }
-        let AbcFrame { spec, base, .. } = self.frames.get(self.state.frame as usize)?;
-        let [plane, slot] = spec.turned(self.state.next);
+        let pass = self.passes.get(self.state.giving as usize)?;
+        let spec = self.frames[pass.frame as usize].0;
+        let last = spec.last(spec.turned(self.state.next));
         // Where the next ray to be given still lacks a neighbour, the unit waits for itself: the ring is too small.
-        let lacks = self.state.taken < base + spec.needed(plane, slot);
+        let lacks = self.state.taken <= pass.rays + in_section(&pass.taken, last);
         Some(Wait {
             unit: Self::NAME,
             port: "sample planes".into(),
@@ -679,7 +848,7 @@ impl<A: Shade> AbcUnit<A> {
 
     /// The arithmetic of each frame, to ask what it counted.
     pub fn arithmetic(&self) -> impl Iterator<Item = &A> {
-        self.frames.iter().map(|frame| &frame.arithmetic)
+        self.frames.iter().map(|(_, arithmetic)| arithmetic)
     }
 
     /// What the unit did with its cycles.
@@ -695,6 +864,7 @@ impl Archived for Shader {
             row: _,
             planes,
             kept: _,
+            overlap,
             overflows,
             parallel: _,
             perspective: _,
@@ -702,15 +872,18 @@ impl Archived for Shader {
             ends: _,
         } = self;
         planes.iter_mut().try_for_each(|plane| archive.list(plane))?;
+        if let Some(Overlap { borders, firsts, .. }) = overlap {
+            borders.iter_mut().chain(firsts).try_for_each(|rows| archive.list(rows))?;
+        }
         archive.item(overflows)
     }
 }
 
 impl<A: Archived> Archived for AbcUnit<A> {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let AbcUnit { frames, state, account } = self;
+        let AbcUnit { frames, passes: _, state, account } = self;
         archive.item(state)?;
         archive.item(account)?;
-        frames.iter_mut().try_for_each(|AbcFrame { spec: _, arithmetic, base: _ }| arithmetic.archive(archive))
+        frames.iter_mut().try_for_each(|(_, arithmetic)| arithmetic.archive(archive))
     }
 }

@@ -8,27 +8,36 @@ mod registers;
 
 use cube3_abc::{AbcSpec, AbcUnit, NoShading, ShadedRay};
 use cube3_channel::{Account, Channel};
-use cube3_host::FrameSetup;
+use cube3_host::{FrameSetup, Sections};
 use cube3_trilin::SampleRay;
 use registers::{Dice, frame};
 
+/// Frames of every small shape, taken whole and in sections.
 fn specs() -> impl Iterator<Item = AbcSpec> {
     let closes = [[false, false], [false, true], [true, false], [true, true]];
-    (1..=6_u64).flat_map(move |slots| {
-        (1..=6_u64).flat_map(move |planes| {
-            closes.into_iter().flat_map(move |closes| {
-                [false, true].into_iter().map(move |buffered| AbcSpec {
-                    ray_cycles: 1,
-                    slots,
-                    planes,
-                    closes,
-                    buffered,
-                    reach: 1,
-                    ring: 4,
-                })
-            })
+    let sizes = (1..=6_u64).flat_map(|slots| (1..=6_u64).map(move |planes| (slots, planes)));
+    let shapes = sizes.flat_map(move |size| closes.map(|closes| (size, closes)));
+    shapes.flat_map(|((slots, planes), closes)| {
+        let kinds = [false, true].into_iter().flat_map(move |buffered| (1..=slots).map(move |width| (buffered, width)));
+        kinds.map(move |(buffered, width)| {
+            let sections = Sections::of_slots(slots as usize, Some(width as usize)).behind(1);
+            AbcSpec { ray_cycles: 1, slots, planes, closes, buffered, reach: 1, ring: 4, sections }
         })
     })
+}
+
+/// Planes of so many slots that are taken whole.
+fn whole(slots: u64) -> Sections {
+    Sections::of_slots(slots as usize, None).behind(1)
+}
+
+/// The rays of a frame, plane and slot, in the order in which they come.
+fn taken(spec: &AbcSpec) -> Vec<(u32, u32)> {
+    let sections = (0..spec.sections.count()).map(|section| spec.sections.slots(section));
+    let planes = spec.planes as u32;
+    sections
+        .flat_map(|slots| (0..planes).flat_map(move |plane| slots.clone().map(move |slot| (plane, slot as u32))))
+        .collect()
 }
 
 /// A frame through the unit: the cycle in which each ray left, with its plane and slot.
@@ -45,6 +54,8 @@ fn run(setup: &FrameSetup, spec: AbcSpec, every: u64, capacity: usize, drained: 
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", capacity, 1).unwrap();
     let total = spec.slots * spec.planes;
+    let taken = taken(&spec);
+    let order: Vec<[u64; 2]> = spec.order().collect();
     let mut offered = 0;
     let mut result = Run { left: Vec::new(), account: Account::default(), cycles: 0 };
     let mut idle = 0;
@@ -52,19 +63,19 @@ fn run(setup: &FrameSetup, spec: AbcSpec, every: u64, capacity: usize, drained: 
         let now = result.cycles;
         if offered < total && now >= offered * every && samples.can_push() {
             let ray = samples.push_slot().unwrap();
-            (ray.plane, ray.slot) = ((offered / spec.slots) as u32, (offered % spec.slots) as u32);
+            (ray.plane, ray.slot) = taken[offered as usize];
             offered += 1;
         }
         let before = shaded.counters().pushes;
         let moved = unit.tick(std::slice::from_ref(setup), &mut samples, &mut shaded).is_active();
         if shaded.counters().pushes > before {
-            result.left.push((now, spec.order(before)));
+            result.left.push((now, order[before as usize]));
         }
         if drained(now)
             && let Some(ray) = shaded.pop()
         {
             let popped = shaded.counters().pops - 1;
-            assert_eq!([u64::from(ray.plane), u64::from(ray.slot)], spec.order(popped));
+            assert_eq!([u64::from(ray.plane), u64::from(ray.slot)], order[popped as usize]);
         }
         samples.commit();
         shaded.commit();
@@ -87,8 +98,7 @@ fn every_slot_is_shaded_once() {
     for spec in specs() {
         let total = spec.slots * spec.planes;
         let mut seen = vec![0; total as usize];
-        for e in 0..total {
-            let [plane, slot] = spec.order(e);
+        for [plane, slot] in spec.order() {
             seen[(plane * spec.slots + slot) as usize] += 1;
         }
         assert!(seen.iter().all(|&times| times == 1), "{spec:?}");
@@ -103,14 +113,15 @@ fn a_slot_needs_its_neighbours_and_nothing_that_comes_after_them() {
             let around = if closes { [Some((i + n - 1) % n), Some((i + 1) % n)] } else { [before, after] };
             around.into_iter().flatten().chain([i]).collect()
         };
-        for e in 0..spec.slots * spec.planes {
-            let [plane, slot] = spec.order(e);
+        let taken = taken(&spec);
+        let came = |plane, slot| taken.iter().position(|&ray| ray == (plane as u32, slot as u32)).unwrap() as u64;
+        for [plane, slot] in spec.order() {
             let last = if spec.buffered {
                 let planes = beside(plane, spec.planes, spec.closes[1]);
                 let slots = beside(slot, spec.slots, spec.closes[0]);
-                planes.into_iter().max().unwrap() * spec.slots + slots.into_iter().max().unwrap()
+                planes.into_iter().flat_map(|i| slots.iter().map(move |&j| came(i, j))).max().unwrap()
             } else {
-                plane * spec.slots + slot
+                came(plane, slot)
             };
             assert_eq!(spec.needed(plane, slot), last + 1, "{spec:?}, plane {plane}, slot {slot}");
         }
@@ -133,7 +144,16 @@ fn no_shape_of_frame_gets_stuck_with_four_planes() {
 fn without_a_gradient_a_ray_leaves_as_it_comes() {
     let setup = setup();
     for ray_cycles in 1..5 {
-        let spec = AbcSpec { ray_cycles, slots: 4, planes: 3, closes: [true; 2], buffered: false, reach: 1, ring: 4 };
+        let spec = AbcSpec {
+            ray_cycles,
+            slots: 4,
+            planes: 3,
+            closes: [true; 2],
+            buffered: false,
+            reach: 1,
+            ring: 4,
+            sections: whole(4),
+        };
         let left = run(&setup, spec, 1, 2, |_| true).left;
         for (e, (cycle, _)) in left.into_iter().enumerate() {
             // It is at the input in cycle 1, taken after ray_cycles, given after as many, the two at once.
@@ -148,9 +168,18 @@ fn the_first_ray_leaves_a_plane_and_a_ray_later_and_not_a_cycle_earlier() {
     for slots in 1..7 {
         for planes in 1..6 {
             for (closes, buffered) in [([false; 2], true), ([true; 2], true), ([false; 2], false)] {
-                let spec = AbcSpec { ray_cycles: 1, slots, planes, closes, buffered, reach: 1, ring: 4 };
+                let spec = AbcSpec {
+                    ray_cycles: 1,
+                    slots,
+                    planes,
+                    closes,
+                    buffered,
+                    reach: 1,
+                    ring: 4,
+                    sections: whole(slots),
+                };
                 let result = run(&setup, spec, 1, 2, |_| true);
-                let [plane, slot] = spec.order(0);
+                let [plane, slot] = spec.order().next().unwrap();
                 // Ray number m (from 0) is at the input in cycle m + 1, and given in the cycle in which it is taken.
                 assert_eq!(result.left[0].0, spec.needed(plane, slot), "{spec:?}");
                 let late = match (buffered, closes[0]) {
@@ -170,7 +199,16 @@ fn rays_leave_at_the_rate_of_the_lanes() {
     let setup = setup();
     for ray_cycles in 1..5 {
         for closes in [[false; 2], [true; 2]] {
-            let spec = AbcSpec { ray_cycles, slots: 6, planes: 5, closes, buffered: true, reach: 1, ring: 4 };
+            let spec = AbcSpec {
+                ray_cycles,
+                slots: 6,
+                planes: 5,
+                closes,
+                buffered: true,
+                reach: 1,
+                ring: 4,
+                sections: whole(6),
+            };
             let result = run(&setup, spec, 1, 2, |_| true);
             let steady = result.left.windows(2).all(|pair| pair[1].0 - pair[0].0 >= ray_cycles);
             assert!(steady, "{ray_cycles}: {:?}", result.left);
@@ -185,7 +223,16 @@ fn rays_leave_at_the_rate_of_the_lanes() {
 fn a_frame_that_never_stalls_takes_its_rays_and_its_fill() {
     let setup = setup();
     for (slots, planes) in [(5, 5), (1, 4), (7, 1), (2, 2)] {
-        let spec = AbcSpec { ray_cycles: 1, slots, planes, closes: [false; 2], buffered: true, reach: 1, ring: 4 };
+        let spec = AbcSpec {
+            ray_cycles: 1,
+            slots,
+            planes,
+            closes: [false; 2],
+            buffered: true,
+            reach: 1,
+            ring: 4,
+            sections: whole(slots),
+        };
         let result = run(&setup, spec, 1, 2, |_| true);
         // The first cycle has no ray yet; then one is taken or given in every cycle.
         let needed = spec.needed(0, 0);
@@ -197,7 +244,16 @@ fn a_frame_that_never_stalls_takes_its_rays_and_its_fill() {
 #[test]
 fn a_unit_without_rays_is_starved_and_one_without_room_blocked() {
     let setup = setup();
-    let spec = AbcSpec { ray_cycles: 1, slots: 3, planes: 2, closes: [false; 2], buffered: false, reach: 1, ring: 4 };
+    let spec = AbcSpec {
+        ray_cycles: 1,
+        slots: 3,
+        planes: 2,
+        closes: [false; 2],
+        buffered: false,
+        reach: 1,
+        ring: 4,
+        sections: whole(3),
+    };
     let slow = run(&setup, spec, 10, 2, |_| true);
     // Ray m comes in cycle 10·m + 1: 6 cycles of work in 52.
     assert_eq!(slow.account, Account { busy: 6, starved: 46, ..Account::default() });
@@ -214,7 +270,16 @@ fn a_unit_without_rays_is_starved_and_one_without_room_blocked() {
 #[test]
 fn a_full_ring_stops_the_input_and_says_so() {
     let setup = setup();
-    let spec = AbcSpec { ray_cycles: 1, slots: 2, planes: 9, closes: [false; 2], buffered: true, reach: 1, ring: 4 };
+    let spec = AbcSpec {
+        ray_cycles: 1,
+        slots: 2,
+        planes: 9,
+        closes: [false; 2],
+        buffered: true,
+        reach: 1,
+        ring: 4,
+        sections: whole(2),
+    };
     let mut unit = AbcUnit::new([(spec, NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 1, 1).unwrap();
@@ -251,7 +316,16 @@ fn with_three_planes_the_input_waits_for_the_end_of_a_plane_and_with_more_it_doe
     let setup = setup();
     let (slots, planes) = (6, 8);
     let cycles = |ring: u64, every: u64| {
-        let spec = AbcSpec { ray_cycles: 1, slots, planes, closes: [false; 2], buffered: true, reach: 1, ring };
+        let spec = AbcSpec {
+            ray_cycles: 1,
+            slots,
+            planes,
+            closes: [false; 2],
+            buffered: true,
+            reach: 1,
+            ring,
+            sections: whole(slots),
+        };
         run(&setup, spec, every, 2, |_| true).cycles
     };
     // One cycle before the first ray is there, its neighbours a plane and a ray later, and then a ray a cycle.
@@ -262,7 +336,16 @@ fn with_three_planes_the_input_waits_for_the_end_of_a_plane_and_with_more_it_doe
     assert_eq!(cycles(3, 1), free + THREE_PLANES_COST * (planes - 3));
     // Without a gradient nothing waits, with one plane or many.
     for ring in 1..5 {
-        let spec = AbcSpec { ray_cycles: 1, slots, planes, closes: [true; 2], buffered: false, reach: 1, ring };
+        let spec = AbcSpec {
+            ray_cycles: 1,
+            slots,
+            planes,
+            closes: [true; 2],
+            buffered: false,
+            reach: 1,
+            ring,
+            sections: whole(slots),
+        };
         assert_eq!(run(&setup, spec, 1, 2, |_| true).cycles, 1 + slots * planes);
     }
 }
@@ -285,7 +368,16 @@ fn no_shape_of_frame_gets_stuck_with_three_planes() {
 #[test]
 fn with_two_planes_the_unit_waits_for_itself_and_says_so() {
     let setup = setup();
-    let spec = AbcSpec { ray_cycles: 1, slots: 3, planes: 5, closes: [false; 2], buffered: true, reach: 1, ring: 2 };
+    let spec = AbcSpec {
+        ray_cycles: 1,
+        slots: 3,
+        planes: 5,
+        closes: [false; 2],
+        buffered: true,
+        reach: 1,
+        ring: 2,
+        sections: whole(3),
+    };
     let mut unit = AbcUnit::new([(spec, NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 2, 1).unwrap();
@@ -318,7 +410,16 @@ fn the_ring_takes_planes_of_this_frame_and_the_next_and_of_no_third() {
     for closes in [[false; 2], [true; 2]] {
         for planes in 1..4_u64 {
             for ring in 3..9 {
-                let spec = AbcSpec { ray_cycles: 1, slots: 3, planes, closes, buffered: true, reach: 1, ring };
+                let spec = AbcSpec {
+                    ray_cycles: 1,
+                    slots: 3,
+                    planes,
+                    closes,
+                    buffered: true,
+                    reach: 1,
+                    ring,
+                    sections: whole(3),
+                };
                 let mut unit = AbcUnit::new([(spec, NoShading); 4]);
                 let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
                 // Nobody takes the shaded rays, and so the first planes of frame 0 stay.
@@ -352,7 +453,16 @@ fn farther_neighbours_cost_their_planes_once() {
     let setup = setup();
     let (slots, planes) = (6, 12);
     for reach in 1..=5 {
-        let spec = |ring| AbcSpec { ray_cycles: 1, slots, planes, closes: [false; 2], buffered: true, reach, ring };
+        let spec = |ring| AbcSpec {
+            ray_cycles: 1,
+            slots,
+            planes,
+            closes: [false; 2],
+            buffered: true,
+            reach,
+            ring,
+            sections: whole(slots),
+        };
         assert_eq!(spec(4).needed(0, 0), reach * slots + reach + 1);
         assert_eq!(spec(4).needed(planes - 1, slots - 1), planes * slots);
         let cycles = |ring| run(&setup, spec(ring), 1, 2, |_| true).cycles;
@@ -365,7 +475,16 @@ fn farther_neighbours_cost_their_planes_once() {
 #[test]
 fn a_ring_too_small_for_farther_neighbours_is_named() {
     let setup = setup();
-    let spec = AbcSpec { ray_cycles: 1, slots: 3, planes: 9, closes: [false; 2], buffered: true, reach: 3, ring: 6 };
+    let spec = AbcSpec {
+        ray_cycles: 1,
+        slots: 3,
+        planes: 9,
+        closes: [false; 2],
+        buffered: true,
+        reach: 3,
+        ring: 6,
+        sections: whole(3),
+    };
     let mut unit = AbcUnit::new([(spec, NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 2, 1).unwrap();
@@ -388,8 +507,16 @@ fn a_ring_too_small_for_farther_neighbours_is_named() {
 #[test]
 fn the_next_frame_comes_in_as_far_as_its_own_ring_goes() {
     let setups = [setup(), setup()];
-    let spec =
-        |reach, ring| AbcSpec { ray_cycles: 1, slots: 1, planes: 12, closes: [false; 2], buffered: true, reach, ring };
+    let spec = |reach, ring| AbcSpec {
+        ray_cycles: 1,
+        slots: 1,
+        planes: 12,
+        closes: [false; 2],
+        buffered: true,
+        reach,
+        ring,
+        sections: whole(1),
+    };
     let mut unit = AbcUnit::new([(spec(4, 10), NoShading), (spec(1, 4), NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 1, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 1, 1).unwrap();

@@ -2,6 +2,7 @@
 
 use cube3_host::Layout;
 use cube3_word::Probe;
+use std::ops::Range;
 
 /// The skewed memory: voxel (x, y, z) of a volume `dims` is in module `(a·x + b·y + c·z) mod lanes`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,6 +42,11 @@ impl Skew {
         gcd(self.coefficients[0], self.lanes)
     }
 
+    /// Neighbouring voxels along an axis that are in different modules.
+    pub fn together(&self, axis: usize) -> usize {
+        self.lanes / gcd(self.coefficients[axis], self.lanes)
+    }
+
     /// Cycles to read `count` voxels that are `step` apart: each module gives one a cycle, so the fullest module
     /// sets the time. 1 is free of conflicts.
     pub fn cycles(&self, step: [i64; 3], count: usize) -> usize {
@@ -54,6 +60,73 @@ impl Skew {
         step[axis] = 1;
         let (full, rest) = (count / self.lanes, count % self.lanes);
         full * self.cycles(step, self.lanes) + if rest > 0 { self.cycles(step, rest) } else { 0 }
+    }
+}
+
+/// The voxels of a beam, or of the part of it that a section of ray slots has, in the steps in which they are read: in each as many of
+/// the next ones as are in different modules.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Steps {
+    /// Neighbouring voxels that are in different modules; the next one is in the module of the first.
+    together: usize,
+    /// Voxels: before the step in which the first range ends, in that step, in it of the second range, and behind it.
+    first: usize,
+    start: usize,
+    whole: usize,
+    rest: usize,
+    joined: usize,
+    second: usize,
+}
+
+impl Steps {
+    /// The steps of the voxels of one range of a beam, or of two, the first of which goes to the beam's end and the second begins at its
+    /// start. `together` neighbours are in different modules.
+    pub fn new(together: usize, columns: &[Range<usize>; 2]) -> Steps {
+        let rest = columns[0].len() % together;
+        // Of the second range those come with the rest of the first that are in no module of it.
+        let taken = (columns[0].end - rest) % together;
+        let free = if rest == 0 || taken == 0 || taken + rest > together { 0 } else { taken };
+        Steps::with_room(together, columns, free)
+    }
+
+    /// The same where any `together` voxels come in a step.
+    pub fn from_buffer(together: usize, columns: &[Range<usize>; 2]) -> Steps {
+        let rest = columns[0].len() % together;
+        Steps::with_room(together, columns, if rest == 0 { 0 } else { together - rest })
+    }
+
+    /// `free` voxels of the second range may come with the rest of the first.
+    fn with_room(together: usize, columns: &[Range<usize>; 2], free: usize) -> Steps {
+        let [first, second] = columns.clone().map(|columns| columns.len());
+        Steps {
+            together,
+            first,
+            start: columns[0].start,
+            whole: first / together,
+            rest: first % together,
+            joined: free.min(second),
+            second,
+        }
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.whole + usize::from(self.rest > 0) + (self.second - self.joined).div_ceil(self.together)
+    }
+
+    /// The voxels of a step.
+    pub fn voxels(&self, step: usize) -> [Range<usize>; 2] {
+        let end = self.start + self.first;
+        if step < self.whole {
+            let first = self.start + step * self.together;
+            return [first..first + self.together, 0..0];
+        }
+        if step == self.whole && self.rest > 0 {
+            return [end - self.rest..end, 0..self.joined];
+        }
+        let behind = step - self.whole - usize::from(self.rest > 0);
+        let first = self.joined + behind * self.together;
+        [first..self.second.min(first + self.together), 0..0]
     }
 }
 

@@ -13,4 +13,4 @@ mod unit;
 
 pub use lanes::{FrameBuffer, FrameBufferError};
 pub use port::{AcquisitionPort, PortSpec};
-pub use unit::{Beam, CfbSpec, CfbUnit, Fetch, NoVoxels, VoxelBeam, scan};
+pub use unit::{Beam, CfbSpec, CfbUnit, Fetch, NoVoxels, Piece, VoxelBeam, scan};

@@ -30,7 +30,7 @@ pub use blocks::{BlockModules, BlockState, ReorderCounters, ReorderError, reorde
 use chooser::Chooser;
 pub use counters::MemoryCounters;
 pub use module::{Module, Served};
-pub use rows::ReorderNeed;
+pub use rows::{ReorderNeed, edge_words};
 pub use supply::Supply;
 pub(crate) use supply::SupplyState;
 pub use timing::{Place, Timing};

@@ -1,14 +1,15 @@
 //! The frame buffer on its channel: it scans the planes of a frame and sends a beam for each slot.
 //!
 //! ```text
-//!   (plane i, depth k) counters ──► modules ──► [beams]
+//!   (section, plane i, depth k) counters ──► modules ──► [beams]
 //! ```
+//! Where a machine takes the ray slots of a plane in sections, a beam is what the slots of the section have of a row.
 
-use crate::golden::Skew;
+use crate::golden::{Skew, Steps};
 use crate::memory::{MemoryCounters, ReorderCounters, Supply, SupplyState};
 use crate::{AcquisitionPort, FrameBuffer, PortSpec};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, Reason};
-use cube3_host::{FrameSetup, Geometry, Layout, MachineSpec, RaySlots};
+use cube3_host::{FrameSetup, Geometry, Layout, MachineSpec, RaySlots, Sections};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -17,13 +18,17 @@ use std::ops::Range;
 pub struct Beam<D> {
     /// Frame, from 0.
     pub frame: u32,
+    /// Section of ray slots, from 0.
+    pub section: u32,
     /// Plane of ray slots, from 0.
     pub plane: u32,
     /// Depth k.
     pub depth: u32,
-    /// Row v of the volume; none where a padded plane is outside of it.
+    /// Row v of the volume; none where the padded slots are outside of it.
     pub row: Option<u32>,
-    /// The voxels.
+    /// Voxels of each of its rows that it brings: all of them, or those of the section's slots.
+    pub voxels: u32,
+    /// The row. Voxels of other sections than the beam's are there, too, and nothing reads them.
     pub data: D,
 }
 
@@ -98,8 +103,23 @@ pub struct CfbSpec {
     /// Further cycles of a beam, in which modules serve voxels that share one; none with mini-blocks, whose reorder buffer gives any `lanes`
     /// voxels in a cycle.
     pub conflict_cycles: u64,
-    /// Voxels of a row that a cycle gives.
+    /// Sections in which the ray slots of a plane are taken.
+    pub sections: Sections,
+    /// Modules.
     pub lanes: usize,
+    /// Neighbouring voxels of a beam that a cycle gives: they are in different modules, or come from a reorder buffer.
+    together: usize,
+    reorders: bool,
+}
+
+/// What a beam brings of the row that a plane of ray slots has at a depth: the voxels of a section's slots, which may go on from the
+/// row's last voxel to its first.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Piece {
+    /// Row v of the volume.
+    pub row: u32,
+    /// Voxels u.
+    pub columns: [Range<usize>; 2],
 }
 
 impl CfbSpec {
@@ -112,14 +132,59 @@ impl CfbSpec {
             Layout::MiniBlocks => beam_cycles,
         };
         let rows = if geometry.doubled() { 2 } else { 1 };
-        let lanes = machine.lanes;
-        CfbSpec { rows, beam_cycles: rows * beam_cycles, conflict_cycles: rows * (all - beam_cycles), lanes }
+        CfbSpec {
+            rows,
+            beam_cycles: rows * beam_cycles,
+            conflict_cycles: rows * (all - beam_cycles),
+            sections: Sections::of(machine, geometry),
+            lanes: machine.lanes,
+            together: match machine.cfb.layout {
+                Layout::Rows | Layout::Blocks => skew.together(geometry.axes.axis[0]),
+                Layout::MiniBlocks => machine.lanes,
+            },
+            reorders: machine.cfb.layout == Layout::MiniBlocks,
+        }
     }
 
-    /// Cycles of a beam, or of a padded plane's depth outside of the volume, that waits for nothing.
+    /// Cycles of a whole beam, or of a padded plane's depth outside of the volume, that waits for nothing.
     #[inline]
     pub fn cycles(&self, row: Option<u32>) -> u64 {
         if row.is_some() { self.beam_cycles + self.conflict_cycles } else { 1 }
+    }
+
+    /// The same of a piece of a beam.
+    #[inline]
+    pub fn piece_cycles(&self, piece: Option<&Piece>) -> u64 {
+        match piece {
+            Some(Piece { columns, .. }) if !self.sections.is_whole() => self.steps(columns).count() as u64,
+            _ => self.cycles(piece.map(|piece| piece.row)),
+        }
+    }
+
+    /// Of these the cycles without conflicts.
+    #[inline]
+    fn work_cycles(&self, piece: Option<&Piece>) -> u64 {
+        match piece {
+            Some(Piece { columns: [first, second], .. }) if !self.sections.is_whole() => {
+                (first.len() + second.len()).div_ceil(self.lanes) as u64
+            }
+            _ => self.beam_cycles,
+        }
+    }
+
+    /// The voxels of a step of a piece.
+    #[inline]
+    pub(crate) fn voxels_of_step(&self, piece: &Piece, step: usize) -> [Range<usize>; 2] {
+        if self.sections.is_whole() {
+            let first = step * self.together;
+            return [first..piece.columns[0].end.min(first + self.together), 0..0];
+        }
+        self.steps(&piece.columns).voxels(step)
+    }
+
+    /// The steps in which the voxels of a piece are read.
+    fn steps(&self, columns: &[Range<usize>; 2]) -> Steps {
+        if self.reorders { Steps::from_buffer(self.lanes, columns) } else { Steps::new(self.together, columns) }
     }
 }
 
@@ -149,6 +214,7 @@ struct State {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Scan {
     pub frame: u32,
+    pub section: u32,
     pub plane: u32,
     pub depth: u32,
     /// Cycles of the beam that are over.
@@ -158,12 +224,23 @@ pub(crate) struct Scan {
 impl Scan {
     /// Whether no voxel of the next frame has been read.
     pub fn between_frames(&self) -> bool {
-        self.plane == 0 && self.depth == 0 && self.spent == 0
+        self.section == 0 && self.plane == 0 && self.depth == 0 && self.spent == 0
+    }
+
+    /// The voxels of the beam, if there are any.
+    #[inline]
+    pub fn piece(&self, geometry: &Geometry, sections: &Sections) -> Option<Piece> {
+        let row = row(geometry, self.plane, self.depth)?;
+        if sections.is_whole() {
+            return Some(Piece { row, columns: [0..geometry.size[0], 0..0] });
+        }
+        let columns = geometry.columns(sections.slots(self.section as usize), self.depth as usize);
+        (!columns[0].is_empty()).then_some(Piece { row, columns })
     }
 
     /// Goes on to the next beam.
     #[inline]
-    pub fn advance(&mut self, geometry: &Geometry) {
+    pub fn advance(&mut self, geometry: &Geometry, sections: &Sections) {
         self.spent = 0;
         self.depth += 1;
         if self.depth as usize == geometry.size[2] {
@@ -171,7 +248,11 @@ impl Scan {
             self.plane += 1;
             if self.plane as usize == geometry.slot_counts()[1] {
                 self.plane = 0;
-                self.frame += 1;
+                self.section += 1;
+                if self.section as usize == sections.count() {
+                    self.section = 0;
+                    self.frame += 1;
+                }
             }
         }
     }
@@ -273,13 +354,14 @@ impl<F: Fetch> CfbUnit<F> {
 
     /// Whether the modules are read in this cycle if nothing else takes it.
     fn reads(&self, frames: &[FrameSetup], released: u32, beams: &Channel<Beam<F::Output>>) -> bool {
-        let Scan { frame, plane, depth, spent } = self.state.scan;
+        let Scan { frame, spent, .. } = self.state.scan;
         if self.done() || frame >= released {
             return false;
         }
-        let row = row(&frames[frame as usize].geometry, plane, depth);
-        let last = spent + 1 >= self.specs[frame as usize].cycles(row);
-        row.is_some() && (!last || beams.can_push())
+        let spec = &self.specs[frame as usize];
+        let piece = self.state.scan.piece(&frames[frame as usize].geometry, &spec.sections);
+        let last = spent + 1 >= spec.piece_cycles(piece.as_ref());
+        piece.is_some() && (!last || beams.can_push())
     }
 
     #[inline]
@@ -287,10 +369,10 @@ impl<F: Fetch> CfbUnit<F> {
         if self.done() || self.state.scan.frame >= released {
             return Activity::Starved;
         }
-        let Scan { frame, plane, depth, spent } = self.state.scan;
+        let Scan { frame, section, plane, depth, spent } = self.state.scan;
         let (setup, spec) = (&frames[frame as usize], self.specs[frame as usize]);
-        let row = row(&setup.geometry, plane, depth);
-        let last = spent + 1 >= spec.cycles(row);
+        let piece = self.state.scan.piece(&setup.geometry, &spec.sections);
+        let last = spent + 1 >= spec.piece_cycles(piece.as_ref());
         if last && !beams.can_push() {
             return Activity::Blocked;
         }
@@ -299,16 +381,18 @@ impl<F: Fetch> CfbUnit<F> {
                 return activity;
             }
             if last {
-                modules.end_beam(state, &setup.geometry, &self.state.scan);
+                modules.end_beam(state, &setup.geometry, &spec, &self.state.scan);
             }
         }
         self.state.scan.spent += 1;
         if last && let Some(beam) = beams.push_slot() {
             beam.frame = frame;
+            beam.section = section;
             beam.plane = plane;
             beam.depth = depth;
-            beam.row = row;
-            if let Some(v) = row {
+            beam.row = piece.as_ref().map(|piece| piece.row);
+            beam.voxels = piece.as_ref().map_or(0, |piece| piece.columns.iter().map(Range::len).sum::<usize>() as u32);
+            if let Some(v) = beam.row {
                 self.memory.fetch(setup, plane as usize, v as usize, depth as usize, &mut beam.data);
                 let below = setup.geometry.row_below(plane as usize, depth as usize);
                 self.state.fetched += 1 + u64::from(spec.rows == 2 && below.is_some());
@@ -316,9 +400,9 @@ impl<F: Fetch> CfbUnit<F> {
                     port.fetched();
                 }
             }
-            self.state.scan.advance(&setup.geometry);
+            self.state.scan.advance(&setup.geometry, &spec.sections);
         }
-        if spent < spec.beam_cycles { Activity::Busy } else { Activity::Waiting(Reason::BankConflict) }
+        if spent < spec.work_cycles(piece.as_ref()) { Activity::Busy } else { Activity::Waiting(Reason::BankConflict) }
     }
 
     /// Whether every beam of every frame has been sent.
@@ -326,7 +410,7 @@ impl<F: Fetch> CfbUnit<F> {
         self.state.scan.frame as usize == self.specs.len()
     }
 
-    /// Beams fetched from the modules.
+    /// Beams fetched from the modules, where there are sections pieces of beams.
     pub fn fetched(&self) -> u64 {
         self.state.fetched
     }
@@ -372,10 +456,14 @@ pub(crate) fn row(geometry: &Geometry, plane: u32, depth: u32) -> Option<u32> {
     }
 }
 
-/// The beams of voxels of a frame in the order in which they are fetched: plane of ray slots, depth, row.
-pub fn scan(geometry: &Geometry) -> impl Iterator<Item = (u32, u32, u32)> + '_ {
+/// The beams of voxels of a frame in the order in which they are fetched: section and plane of ray slots, depth, and what is fetched.
+pub fn scan<'a>(geometry: &'a Geometry, sections: &'a Sections) -> impl Iterator<Item = ([u32; 3], Piece)> + 'a {
     let [planes, depths] = [geometry.slot_counts()[1] as u32, geometry.size[2] as u32];
-    (0..planes).flat_map(move |plane| {
-        (0..depths).filter_map(move |depth| row(geometry, plane, depth).map(|row| (plane, depth, row)))
+    let places = (0..sections.count() as u32).flat_map(move |section| {
+        (0..planes).flat_map(move |plane| (0..depths).map(move |depth| [section, plane, depth]))
+    });
+    places.filter_map(move |[section, plane, depth]| {
+        let scan = Scan { section, plane, depth, ..Scan::default() };
+        Some(([section, plane, depth], scan.piece(geometry, sections)?))
     })
 }

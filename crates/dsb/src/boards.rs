@@ -10,6 +10,7 @@
 use crate::golden::{module, slot};
 use cube3_cfb::golden::output_lane;
 use cube3_host::{Geometry, MachineSpec, RaySlots};
+use std::ops::Range;
 
 /// Data sheet of the boards and links.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,9 +125,9 @@ impl BoardSpec {
         moves
     }
 
-    /// The words of a beam of a plane, row and depth. In a parallel view in closed form: of words that turn by r lanes, those cross a
-    /// link that start in the r lanes before it.
-    pub fn link_words(&self, geometry: &Geometry, [plane, v, depth]: [usize; 3]) -> LinkWords {
+    /// The words of a beam of a plane, row and depth, in a parallel view those of some ray slots, and in closed form: of words that turn
+    /// by r lanes, those cross a link that start in the r lanes before it.
+    pub fn link_words(&self, geometry: &Geometry, slots: Range<usize>, [plane, v, depth]: [usize; 3]) -> LinkWords {
         let mut words = LinkWords::default();
         if self.boards == 1 {
             return words;
@@ -134,7 +135,7 @@ impl BoardSpec {
         if geometry.perspective.is_some() {
             return self.hopped(&self.gathered(geometry, plane, depth));
         }
-        let groups = self.groups(geometry, v, depth);
+        let groups = self.groups(geometry, slots, v, depth);
         for board in 0..self.boards {
             let link = self.first_lane(board);
             let mut crossing = [0; 2];
@@ -168,20 +169,23 @@ impl BoardSpec {
 
     /// The words of a beam by how far they turn: those at and behind the column of the discrete rays, and those before it, which are
     /// of other rays where slots are shared.
-    fn groups(&self, geometry: &Geometry, v: usize, depth: usize) -> [Group; 2] {
+    fn groups(&self, geometry: &Geometry, slots: Range<usize>, v: usize, depth: usize) -> [Group; 2] {
         let [n, column] = [geometry.size[0], geometry.u.columns[depth] as usize];
         let turn = |ahead: usize, behind: usize| (ahead + self.lanes - behind % self.lanes) % self.lanes;
         match geometry.slots {
             RaySlots::Wrapped => {
                 let column = column % n;
-                [
-                    Group { start: column, end: n, turn: turn(0, column + v) },
-                    Group { start: 0, end: column, turn: turn(n, column + v) },
-                ]
+                // Slots from this on have the voxels before the column.
+                let seam = n - column;
+                let [start, end] = [slots.start.min(seam), slots.end.min(seam)].map(|slot| slot + column);
+                let before = Group { start, end, turn: turn(0, column + v) };
+                let [start, end] = [slots.start.max(seam), slots.end.max(seam)].map(|slot| slot - seam);
+                [before, Group { start, end, turn: turn(n, column + v) }]
             }
             RaySlots::Padded => {
                 let turn = turn(geometry.shear_u(), column + v);
-                [Group { start: 0, end: n, turn }, Group { start: n, end: n, turn }]
+                let [Range { start, end }, _] = geometry.columns(slots, depth);
+                [Group { start, end, turn }, Group { start: n, end: n, turn }]
             }
         }
     }
@@ -242,17 +246,23 @@ mod tests {
         #[test]
         fn the_closed_form_is_the_walk(
             size in [1_usize..20, 1_usize..9, 1_usize..20], du in 0.0..=1.0_f64, dv in 0.0..=1.0_f64, padded: bool,
-            lanes in 1_usize..14, part in 0.0..1.0_f64, v in 0_usize..9, depth in 0_usize..20,
+            lanes in 1_usize..14, part in 0.0..1.0_f64, v in 0_usize..9, depth in 0_usize..20, edges in [0_usize..50, 0_usize..50],
         ) {
             let slots = if padded { RaySlots::Padded } else { RaySlots::Wrapped };
             let geometry = geometry(size, [du, dv], slots);
             let (v, depth) = (v % size[1], depth % size[2]);
             let boards = 1 + (part * lanes as f64) as usize;
             let spec = BoardSpec { boards, lanes, latency: 1 };
-            let walk = spec.walk(spec.moves(&geometry, v, depth));
-            let busiest = walk.iter().flatten().copied().max().unwrap();
-            let all = walk.iter().flatten().sum();
-            prop_assert_eq!(spec.link_words(&geometry, [0, v, depth]), LinkWords { busiest, all });
+            let [all, _] = geometry.slot_counts();
+            let some = edges.map(|edge| edge.min(all));
+            for slots in [0..all, some[0].min(some[1])..some[0].max(some[1])] {
+                let of_slots = |x: &usize| slots.contains(&slot(&geometry, *x, depth));
+                let moves = (0..size[0]).zip(spec.moves(&geometry, v, depth)).filter(|(x, _)| of_slots(x));
+                let walk = spec.walk(moves.map(|(_, lanes)| lanes));
+                let busiest = walk.iter().flatten().copied().max().unwrap();
+                let all = walk.iter().flatten().sum();
+                prop_assert_eq!(spec.link_words(&geometry, slots, [0, v, depth]), LinkWords { busiest, all });
+            }
         }
 
         #[test]
@@ -264,7 +274,7 @@ mod tests {
             let boards = 2 + (part * (n - 1) as f64) as usize;
             let row = (plane + geometry.v.columns[depth] as usize) % n;
             let turned = rotation(&geometry, plane, depth);
-            let words = BoardSpec { boards, lanes: n, latency: 1 }.link_words(&geometry, [0, row, depth]);
+            let words = BoardSpec { boards, lanes: n, latency: 1 }.link_words(&geometry, 0..n, [0, row, depth]);
             let each = turned.min(n - turned) as u64;
             prop_assert_eq!(words, LinkWords { busiest: each, all: boards as u64 * each });
         }
@@ -280,7 +290,7 @@ mod tests {
             let busiest = walk.iter().flatten().copied().max().unwrap();
             let all = walk.iter().flatten().sum();
             // The row is that of the plane.
-            prop_assert_eq!(spec.link_words(&geometry, [plane, 0, depth]), LinkWords { busiest, all });
+            prop_assert_eq!(spec.link_words(&geometry, 0..0, [plane, 0, depth]), LinkWords { busiest, all });
         }
 
         #[test]

@@ -10,7 +10,7 @@ use cube3_cfb::{Beam, VoxelBeam};
 use cube3_channel::{
     Account, Activity, Archive, ArchiveError, Archived, Channel, ClockDomain, Payload, Reason, Transfer,
 };
-use cube3_host::{FrameSetup, Geometry, MachineSpec};
+use cube3_host::{FrameSetup, Geometry, MachineSpec, Sections};
 use serde::{Deserialize, Serialize};
 
 /// What the bus does with a beam: turns or gathers its voxels, or nothing where only time counts.
@@ -73,6 +73,10 @@ pub struct BusSpec {
     pub lane_cycles: u64,
     /// Slices of a beam: ⌈n_u / channels⌉.
     pub slices: u64,
+    /// Sections in which the ray slots of a plane are taken: a beam has then the voxels of one, for n_u.
+    pub sections: Sections,
+    lanes: u64,
+    channels: u64,
 }
 
 impl BusSpec {
@@ -84,7 +88,21 @@ impl BusSpec {
             words: gathers * words as u64,
             lane_cycles: gathers * words.div_ceil(machine.lanes) as u64,
             slices: gathers * words.div_ceil(channels(machine)) as u64,
+            sections: Sections::of(machine, geometry),
+            lanes: machine.lanes as u64,
+            channels: channels(machine) as u64,
         }
+    }
+
+    /// The same for a beam of so many voxels.
+    #[inline]
+    fn of_voxels(self, voxels: u32) -> BusSpec {
+        if self.sections.is_whole() {
+            return self;
+        }
+        let words = u64::from(voxels);
+        let (lane_cycles, slices) = (words.div_ceil(self.lanes), words.div_ceil(self.channels));
+        BusSpec { words, lane_cycles, slices, ..self }
     }
 }
 
@@ -199,14 +217,14 @@ impl<B: Align> BusUnit<B> {
             return Activity::Starved;
         };
         let frame = beam.frame as usize;
-        let spec = self.specs[frame];
+        let spec = self.specs[frame].of_voxels(beam.voxels);
         let needed = if beam.row.is_some() { spec.lane_cycles } else { 1 };
         let mut activity = Activity::Busy;
         if self.limited
             && let Some(v) = beam.row
         {
             let place = [beam.plane, v, beam.depth].map(|i| i as usize);
-            let waits = self.waits(spec, &frames[frame].geometry, place);
+            let waits = self.waits(spec, &frames[frame].geometry, beam.section as usize, place);
             if self.state.spent >= needed {
                 // The cycle in which the last words come is one of waiting, too; which resource they wait for was told before.
                 activity = Activity::Waiting(waits.unwrap_or_else(|| self.last_reason(spec)));
@@ -224,9 +242,11 @@ impl<B: Align> BusUnit<B> {
             return Activity::Blocked;
         };
         output.frame = beam.frame;
+        output.section = beam.section;
         output.plane = beam.plane;
         output.depth = beam.depth;
         output.row = beam.row;
+        output.voxels = beam.voxels;
         if let Some(v) = beam.row {
             let [plane, depth] = [beam.plane, beam.depth].map(|i| i as usize);
             self.wires.align(&frames[frame], plane, v as usize, depth, &beam.data, &mut output.data);
@@ -243,12 +263,12 @@ impl<B: Align> BusUnit<B> {
 }
 
 impl<B> BusUnit<B> {
-    /// What the beam in hand, of a plane, its row `v` and a depth, waits for beyond this cycle: slices, or words on a link.
-    fn waits(&mut self, spec: BusSpec, geometry: &Geometry, place: [usize; 3]) -> Option<Reason> {
+    /// What the beam in hand, of a section, a plane, its row `v` and a depth, waits for beyond this cycle: slices, or words on a link.
+    fn waits(&mut self, spec: BusSpec, geometry: &Geometry, section: usize, place: [usize; 3]) -> Option<Reason> {
         let state = &mut self.state;
         let boards = &self.boards;
         let [busiest, _] = *state.crossing.get_or_insert_with(|| {
-            let words = boards.link_words(geometry, place);
+            let words = boards.link_words(geometry, spec.sections.slots(section), place);
             [words.busiest, words.all]
         });
         if state.slices.is_some_and(|slices| !slices.completes(spec.slices)) {

@@ -3,7 +3,7 @@
 use crate::golden::{beam_lane, slot};
 use cube3_cfb::golden::output_lane;
 use cube3_channel::{Archive, ArchiveError, Archived};
-use cube3_host::Geometry;
+use cube3_host::{Geometry, Sections};
 use cube3_word::turn;
 
 /// Turns beams from the frame buffer's lane order into the skewed buffers'.
@@ -80,6 +80,9 @@ pub struct PlaneStore {
     depths: usize,
     /// Voxels of a slot at a depth: one, or the four of the near or far side of its cell.
     copies: usize,
+    /// Sections in which the slots are taken, and planes of the frame: the ring holds planes of sections, one behind another.
+    sections: Sections,
+    planes: usize,
     ring: Vec<Vec<u16>>,
     first: Vec<u16>,
     /// A beam of zeros.
@@ -89,29 +92,48 @@ pub struct PlaneStore {
 impl PlaneStore {
     /// `planes` buffers for a geometry, and one for the first plane where the last needs it again.
     pub fn new(geometry: &Geometry, lanes: usize, planes: usize) -> PlaneStore {
-        let [slots, _] = geometry.slot_counts();
+        let [slots, frame_planes] = geometry.slot_counts();
         let depths = geometry.size[2].div_ceil(lanes) * lanes;
         let copies = if geometry.doubled() { 4 } else { 1 };
         let words = slots * depths * copies;
         let first = if geometry.closes()[1] { vec![0; words] } else { Vec::new() };
         let zeros = vec![0; copies * slots.div_ceil(lanes) * lanes];
-        PlaneStore { lanes, slots, depths, copies, ring: vec![vec![0; words]; planes], first, zeros }
+        let sections = Sections::of_slots(slots, None);
+        let ring = vec![vec![0; words]; planes];
+        PlaneStore { lanes, slots, depths, copies, sections, planes: frame_planes, ring, first, zeros }
     }
 
-    /// Writes an aligned beam; none writes a row of zeros.
-    pub fn write(&mut self, plane: usize, depth: usize, beam: Option<&[u16]>) {
-        let place = plane % self.ring.len();
+    /// The same for a frame that is taken in sections. A buffer has a place for every slot, though the machine's has places for those
+    /// of one section.
+    #[must_use]
+    pub fn in_sections(self, sections: Sections) -> PlaneStore {
+        PlaneStore { sections, ..self }
+    }
+
+    /// A plane of a section, counted over all of them.
+    pub(crate) fn plane(&self, section: usize, plane: usize) -> usize {
+        section * self.planes + plane
+    }
+
+    /// Writes what a section's slots have of an aligned beam; none writes zeros.
+    pub fn write(&mut self, section: usize, plane: usize, depth: usize, beam: Option<&[u16]>) {
+        let place = self.plane(section, plane) % self.ring.len();
         let beam = beam.unwrap_or(&self.zeros);
-        let PlaneStore { lanes, slots, depths, copies, ring, first, .. } = self;
-        let shape = [*lanes, *slots, *depths, *copies];
-        put(shape, depth, beam, &mut ring[place]);
-        if plane == 0 && !first.is_empty() {
-            put(shape, depth, beam, first);
+        let PlaneStore { lanes, slots, depths, copies, sections, ring, first, .. } = self;
+        let kept = (plane == 0 && !first.is_empty()).then_some(first);
+        for plane in std::iter::once(&mut ring[place]).chain(kept) {
+            if sections.is_whole() {
+                put([*lanes, *slots, *depths, *copies], depth, beam, plane);
+            } else {
+                for j in sections.slots(section) {
+                    plane[j * *depths + depth] = beam[beam_lane(*lanes, j, depth)];
+                }
+            }
         }
     }
 
-    /// Reads ray slot `j` of a plane in order of depth, filled up with zeros to whole chunks of lanes; `kept` reads the plane that was kept from
-    /// the start.
+    /// Reads ray slot `j` of a plane, counted over all sections, in order of depth, filled up with zeros to whole chunks of lanes; `kept`
+    /// reads the plane that was kept from the section's start.
     pub fn read(&self, plane: usize, kept: bool, j: usize, ray: &mut Vec<u16>) {
         ray.clear();
         self.read_copy(plane, kept, j, 0, ray);
@@ -161,7 +183,8 @@ fn spread(words: &[u16], depth: usize, depths: usize, rays: &mut [u16]) {
 
 impl Archived for PlaneStore {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let PlaneStore { lanes: _, slots: _, depths: _, copies: _, ring, first, zeros: _ } = self;
+        let PlaneStore { lanes: _, slots: _, depths: _, copies: _, sections: _, planes: _, ring, first, zeros: _ } =
+            self;
         ring.iter_mut().try_for_each(|plane| archive.list(plane))?;
         archive.list(first)
     }
@@ -247,7 +270,7 @@ mod tests {
                         }
                         rotator.align(&geometry, y, k, &beam, &mut aligned);
                     }
-                    store.write(i, k, row.map(|_| aligned.as_slice()));
+                    store.write(0, i, k, row.map(|_| aligned.as_slice()));
                 }
                 for j in 0..slots {
                     store.read(i, false, j, &mut ray);

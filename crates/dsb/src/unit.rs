@@ -5,11 +5,13 @@
 //!   [aligned] ─────────────► ring of planes ─────────────────► [rays]
 //!                            (and the first)     ray j of planes i and i+1
 //! ```
+//! Where the ray slots of a plane are taken in sections, a plane of the ring has the slots of one: all planes of a section come before
+//! those of the next.
 
 use crate::PlaneStore;
 use cube3_cfb::{Beam, VoxelBeam};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, PortState, Reason, Wait};
-use cube3_host::{Geometry, MachineSpec};
+use cube3_host::{Geometry, MachineSpec, Sections};
 use serde::{Deserialize, Serialize};
 
 /// A ray slot of two neighbouring planes.
@@ -46,9 +48,9 @@ pub trait Store: Archived {
     /// Writes the beam of a plane at a depth.
     fn write(&mut self, beam: &Beam<Self::Input>);
 
-    /// Reads ray slot `j` of `plane` and of `below`, if there is one; `kept` says that `below` is the plane kept from
-    /// the start.
-    fn read(&self, plane: usize, below: Option<usize>, kept: bool, j: usize, output: &mut Self::Output);
+    /// Reads ray slot `j` of a section's plane, `at`, and of its plane `below`, if there is one; `kept` says that `below` is the plane
+    /// kept from the section's start.
+    fn read(&self, at: [usize; 2], below: Option<usize>, kept: bool, j: usize, output: &mut Self::Output);
 }
 
 /// Buffers for timing alone.
@@ -63,7 +65,7 @@ impl Store for NoPlanes {
     fn write(&mut self, _: &Beam<()>) {}
 
     #[inline(always)]
-    fn read(&self, _: usize, _: Option<usize>, _: bool, _: usize, _: &mut ()) {}
+    fn read(&self, _: [usize; 2], _: Option<usize>, _: bool, _: usize, _: &mut ()) {}
 }
 
 impl Archived for NoPlanes {
@@ -78,10 +80,12 @@ impl Store for PlaneStore {
 
     fn write(&mut self, beam: &Beam<VoxelBeam>) {
         let voxels = beam.row.map(|_| beam.data.0.as_slice());
-        PlaneStore::write(self, beam.plane as usize, beam.depth as usize, voxels);
+        let [section, plane, depth] = [beam.section, beam.plane, beam.depth].map(|i| i as usize);
+        PlaneStore::write(self, section, plane, depth, voxels);
     }
 
-    fn read(&self, plane: usize, below: Option<usize>, kept: bool, j: usize, output: &mut RayVoxels) {
+    fn read(&self, [section, plane]: [usize; 2], below: Option<usize>, kept: bool, j: usize, output: &mut RayVoxels) {
+        let (plane, below) = (self.plane(section, plane), below.map(|below| self.plane(section, below)));
         if self.has_cells() {
             for (copy, ray) in [&mut output.current, &mut output.below].into_iter().enumerate() {
                 ray.clear();
@@ -106,7 +110,7 @@ impl Store for PlaneStore {
 pub struct DsbSpec {
     /// Planes in the ring.
     pub planes: usize,
-    /// Cycles to write a beam: ⌈n_u / lanes⌉; where slots need their own cells, ⌈slots / lanes⌉, the four words of a slot side by
+    /// Cycles to write a whole beam: ⌈n_u / lanes⌉; where slots need their own cells, ⌈slots / lanes⌉, the four words of a slot side by
     /// side.
     pub write_cycles: u64,
     /// Cycles to read a ray: ⌈n_w / lanes⌉.
@@ -121,6 +125,10 @@ pub struct DsbSpec {
     pub closes: bool,
     /// Ports of a module, which holds its part of every plane: 2 write and read in the same cycle, 1 does one of the two.
     pub ports: usize,
+    /// Sections in which the slots are taken.
+    pub sections: Sections,
+    /// Modules.
+    pub lanes: usize,
 }
 
 impl DsbSpec {
@@ -136,7 +144,26 @@ impl DsbSpec {
             frame_planes: frame_planes as u32,
             closes: geometry.closes()[1],
             ports: machine.dsb.ports,
+            sections: Sections::of(machine, geometry),
+            lanes: machine.lanes,
         }
+    }
+
+    /// Cycles to write a beam of a section.
+    #[inline]
+    fn cycles_of<D>(&self, beam: &Beam<D>) -> u64 {
+        if beam.row.is_none() {
+            1
+        } else if self.sections.is_whole() {
+            self.write_cycles
+        } else {
+            u64::from(beam.voxels).div_ceil(self.lanes as u64)
+        }
+    }
+
+    /// Planes of a frame, those of all sections.
+    fn planes_of_frame(&self) -> u64 {
+        self.sections.count() as u64 * u64::from(self.frame_planes)
     }
 }
 
@@ -155,11 +182,12 @@ pub struct DsbUnit<S> {
 struct DsbFrame<S> {
     spec: DsbSpec,
     memory: S,
-    /// Planes of the frames before.
+    /// Planes of the frames before, those of each section, and their sections.
     base: u64,
+    sections: u32,
 }
 
-/// Where the two ports are. Planes are counted over all frames.
+/// Where the two ports are. Planes are counted over all sections of all frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct State {
     /// Planes written whole.
@@ -168,7 +196,9 @@ struct State {
     write_spent: u64,
     /// Frame that is being read.
     frame: u32,
-    /// Plane of that frame that is being read.
+    /// Section of that frame.
+    section: u32,
+    /// Plane of that section that is being read.
     plane: u32,
     /// Ray slot that is next.
     slot: u32,
@@ -184,10 +214,12 @@ impl<S: Store> DsbUnit<S> {
 
     /// Empty buffers: a data sheet and a memory for each frame.
     pub fn new(parts: impl IntoIterator<Item = (DsbSpec, S)>) -> DsbUnit<S> {
-        let mut base = 0;
+        let (mut planes, mut sections) = (0, 0);
         let frame = |(spec, memory): (DsbSpec, S)| {
-            base += u64::from(spec.frame_planes);
-            DsbFrame { spec, memory, base: base - u64::from(spec.frame_planes) }
+            let before = (planes, sections);
+            planes += spec.planes_of_frame();
+            sections += spec.sections.count() as u32;
+            DsbFrame { spec, memory, base: before.0, sections: before.1 }
         };
         let frames: Vec<DsbFrame<S>> = parts.into_iter().map(frame).collect();
         let single_port = frames.iter().any(|frame| frame.spec.ports == 1);
@@ -214,7 +246,7 @@ impl<S: Store> DsbUnit<S> {
     fn wait_for_port(&self, aligned: &Channel<Beam<S::Input>>) -> Activity {
         match aligned.front() {
             None => Activity::Starved,
-            Some(beam) if !self.has_buffer(beam.frame, beam.plane) => Activity::Blocked,
+            Some(beam) if !self.has_buffer(beam) => Activity::Blocked,
             Some(_) => Activity::Waiting(Reason::Port),
         }
     }
@@ -224,11 +256,11 @@ impl<S: Store> DsbUnit<S> {
         let Some(beam) = aligned.front() else {
             return Activity::Starved;
         };
-        if !self.has_buffer(beam.frame, beam.plane) {
+        if !self.has_buffer(beam) {
             return Activity::Blocked;
         }
         let DsbFrame { spec, memory, .. } = &mut self.frames[beam.frame as usize];
-        let needed = if beam.row.is_some() { spec.write_cycles } else { 1 };
+        let needed = spec.cycles_of(beam);
         if self.state.write_spent + 1 < needed {
             self.state.write_spent += 1;
             return Activity::Busy;
@@ -240,36 +272,35 @@ impl<S: Store> DsbUnit<S> {
         Activity::Busy
     }
 
-    /// Whether the ring has a buffer for a plane: planes from the one being read on are still needed. The buffers of first planes
-    /// serve two frames, the one being read and the next.
+    /// Whether the ring has a buffer for the plane of a beam: planes from the one being read on are still needed. The buffers of first
+    /// planes serve two sections, the one being read and the next.
     #[inline]
-    fn has_buffer(&self, frame: u32, plane: u32) -> bool {
-        let DsbFrame { spec, base, .. } = &self.frames[frame as usize];
-        let ahead = base + u64::from(plane) - self.released();
-        ahead < spec.planes as u64 && frame <= self.state.frame + 1
+    fn has_buffer<D>(&self, beam: &Beam<D>) -> bool {
+        let DsbFrame { spec, base, sections, .. } = &self.frames[beam.frame as usize];
+        let ahead = base + u64::from(beam.section * spec.frame_planes + beam.plane) - self.released();
+        let reading = self.frames.get(self.state.frame as usize).map_or(0, |frame| frame.sections) + self.state.section;
+        let next = self.state.frame as usize == self.frames.len() || sections + beam.section <= reading + 1;
+        ahead < spec.planes as u64 && next
     }
 
     /// Planes read out, over all frames.
     #[inline]
     fn released(&self) -> u64 {
-        let current = self.frames.get(self.state.frame as usize);
-        let base = current.or(self.frames.last()).map_or(0, |frame| frame.base);
-        let read = if current.is_some() {
-            self.state.plane
-        } else {
-            self.frames.last().map_or(0, |frame| frame.spec.frame_planes)
-        };
-        base + u64::from(read)
+        let State { frame, section, plane, .. } = self.state;
+        match self.frames.get(frame as usize) {
+            Some(DsbFrame { spec, base, .. }) => base + u64::from(section * spec.frame_planes + plane),
+            None => self.frames.last().map_or(0, |DsbFrame { spec, base, .. }| base + spec.planes_of_frame()),
+        }
     }
 
     #[inline]
     fn read(&mut self, rays: &mut Channel<RayPair<S::Output>>) -> Activity {
-        let State { frame, plane, slot, written, .. } = self.state;
-        let Some(DsbFrame { spec, memory, base }) = self.frames.get(frame as usize) else {
+        let State { frame, section, plane, slot, written, .. } = self.state;
+        let Some(DsbFrame { spec, memory, base, .. }) = self.frames.get(frame as usize) else {
             return Activity::Starved;
         };
         let last = plane + 1 == spec.frame_planes;
-        let needed = if last { plane + 1 } else { plane + 2 };
+        let needed = section * spec.frame_planes + if last { plane + 1 } else { plane + 2 };
         if written < base + u64::from(needed) {
             return Activity::Starved;
         }
@@ -284,14 +315,20 @@ impl<S: Store> DsbUnit<S> {
         pair.frame = frame;
         pair.plane = plane;
         pair.slot = slot;
-        memory.read(plane as usize, below, last, slot as usize, &mut pair.data);
+        memory.read([section, plane].map(|i| i as usize), below, last, slot as usize, &mut pair.data);
         self.state.read_spent = 0;
         self.state.slot += 1;
-        if self.state.slot == spec.slots {
-            self.state.slot = 0;
+        let slots = spec.sections.slots(section as usize);
+        if self.state.slot as usize == slots.end {
+            self.state.slot = slots.start as u32;
             self.state.plane += 1;
             if last {
                 self.state.plane = 0;
+                self.state.section += 1;
+                self.state.slot = slots.end as u32;
+            }
+            if self.state.section as usize == spec.sections.count() {
+                (self.state.section, self.state.slot) = (0, 0);
                 self.state.frame += 1;
             }
         }
@@ -319,10 +356,11 @@ impl<S: Store> DsbUnit<S> {
             capacity: spec.planes,
             upon,
         };
-        if aligned.front().is_some_and(|beam| !self.has_buffer(beam.frame, beam.plane)) {
+        if aligned.front().is_some_and(|beam| !self.has_buffer(beam)) {
             waits.push(wait(Self::WRITE, "plane buffers", PortState::Full, Self::READ));
         }
-        if self.state.written < base + u64::from((self.state.plane + 2).min(spec.frame_planes)) {
+        let needed = self.state.section * spec.frame_planes + (self.state.plane + 2).min(spec.frame_planes);
+        if self.state.written < base + u64::from(needed) {
             waits.push(wait(Self::READ, "the plane below", PortState::Empty, Self::WRITE));
         }
         waits
@@ -340,6 +378,6 @@ impl<S: Archived> Archived for DsbUnit<S> {
         archive.item(state)?;
         archive.item(write_account)?;
         archive.item(read_account)?;
-        frames.iter_mut().try_for_each(|DsbFrame { spec: _, memory, base: _ }| memory.archive(archive))
+        frames.iter_mut().try_for_each(|DsbFrame { spec: _, memory, base: _, sections: _ }| memory.archive(archive))
     }
 }

@@ -73,7 +73,7 @@ fn assert_frame(geometry: &Geometry, lanes: usize) {
         for slot in 0..slots {
             let side = |side| expected(geometry, lanes, plane, slot, side);
             let below = Some(plane + 1).filter(|&below| below < planes);
-            Store::read(&store, plane, below, false, slot, &mut out);
+            Store::read(&store, [0, plane], below, false, slot, &mut out);
             if geometry.doubled() {
                 assert_eq!(out.current, [side(0), side(1)].concat(), "plane {plane}, slot {slot}");
                 assert_eq!(out.below, [side(2), side(3)].concat(), "below plane {plane}, slot {slot}");
@@ -132,8 +132,8 @@ fn a_saved_store_comes_back_into_one_of_its_size_and_no_other() {
     Archive::restore(&bytes, &mut other).unwrap();
     for slot in 0..slots {
         let [mut saved, mut restored] = [RayVoxels::default(), RayVoxels::default()];
-        Store::read(&store, 2, Some(3), false, slot, &mut saved);
-        Store::read(&other, 2, Some(3), false, slot, &mut restored);
+        Store::read(&store, [0, 2], Some(3), false, slot, &mut saved);
+        Store::read(&other, [0, 2], Some(3), false, slot, &mut restored);
         assert!(slot != slots / 2 || saved.current.iter().any(|&word| word != 0));
         assert_eq!(saved, restored);
     }

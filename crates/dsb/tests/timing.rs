@@ -9,7 +9,7 @@ use cube3_cfb::Beam;
 use cube3_channel::{Account, Activity, Channel, PortState, Reason, diagnose};
 use cube3_dsb::bus::{BusUnit, NoBus};
 use cube3_dsb::{DsbSpec, DsbUnit, NoPlanes, RayPair};
-use cube3_host::{Boards, Bus, FrameSetup, MachineSpec, VolumeInfo, frame_setup, picture_setup};
+use cube3_host::{Boards, Bus, FrameSetup, MachineSpec, Sections, VolumeInfo, frame_setup, picture_setup};
 use cube3_scene::{Perspective, Scene, View};
 
 /// Rays along z, and a little along x, so that u is x.
@@ -21,7 +21,19 @@ fn setup(machine: &MachineSpec, dims: [usize; 3]) -> FrameSetup {
 
 /// A frame of `frame_planes` planes of n beams and n ray slots.
 fn spec(n: u32, frame_planes: u32, planes: usize) -> DsbSpec {
-    DsbSpec { planes, write_cycles: 1, read_cycles: 1, depths: n, slots: n, frame_planes, closes: false, ports: 2 }
+    let sections = Sections::of_slots(n as usize, None);
+    DsbSpec {
+        planes,
+        write_cycles: 1,
+        read_cycles: 1,
+        depths: n,
+        slots: n,
+        frame_planes,
+        closes: false,
+        ports: 2,
+        sections,
+        lanes: n as usize,
+    }
 }
 
 /// The buffers between their channels, with a beam offered in every cycle.

@@ -178,6 +178,10 @@ pub struct Rays {
     pub grid: f64,
     /// How much of a step the first and the last sample of a ray stand for.
     pub ends: RayEnds,
+    /// Ray slots of a section: 1 to 65536. Planes on the chip are so wide, and what neighbours need across the edge of a section is kept
+    /// beside it; parallel frames only. Whole planes where it is not given. Osborne et al. 1997; Pfister et al. 1999.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub section: Option<usize>,
 }
 
 /// How much of a step the first and the last sample of a ray stand for.
@@ -450,6 +454,7 @@ impl Default for Rays {
             offset: 0.5,
             grid: 0.5,
             ends: RayEnds::Published,
+            section: None,
         }
     }
 }
@@ -769,6 +774,7 @@ impl MachineSpec {
             memory_clock.to_string(),
             "above 65536 ticks in a cycle of clock_hz",
         )?;
+        count("rays.section", self.rays.section, 65536, "outside 1 to 65536 ray slots")?;
         rate("acquisition.words_per_cycle", Some(self.acquisition.words_per_cycle))?;
         count("bus.channels", self.bus.channels, 4096, "outside 1 to 4096")?;
         clock("bus.clock_hz", self.bus.clock_hz)?;
@@ -858,5 +864,8 @@ mod tests {
              leave it out"
         );
         assert!(error("[abc]\ngradient = \"7\"").starts_with("m.toml:2: "));
+        assert_eq!(error("[rays]\nsection = 0"), "m.toml: rays.section = 0 is outside 1 to 65536 ray slots");
+        assert_eq!(error("[rays]\nsection = 65537"), "m.toml: rays.section = 65537 is outside 1 to 65536 ray slots");
+        assert!(MachineSpec::from_toml("[rays]\nsection = 32", "m.toml").is_ok());
     }
 }

@@ -1,36 +1,76 @@
 //! Sections: ranges of the ray slots of a plane that the machine takes one behind another.
 
-use crate::{Geometry, RaySlots};
+use crate::{Geometry, MachineSpec, RaySlots};
 use std::ops::Range;
 
 /// The sections of a frame: the slots of a plane in pieces of one width, the last as wide as is left.
+///
+/// A unit that gives a slot only when later ones have come gives the last of them with the next section: its sections end so many slots
+/// earlier, but for the last one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sections {
     slots: usize,
     width: usize,
+    behind: usize,
+    last: usize,
 }
 
 impl Sections {
-    /// Sections of `width` slots of a frame; one of all slots where none is given.
+    /// Sections of `width` slots of a frame; one of all slots where none is given, and in perspective.
     pub fn new(geometry: &Geometry, width: Option<usize>) -> Sections {
         let [slots, _] = geometry.slot_counts();
-        Sections { slots, width: width.unwrap_or(slots).clamp(1, slots.max(1)) }
+        Sections::of_slots(slots, width.filter(|_| geometry.perspective.is_none()))
+    }
+
+    /// The sections in which a machine takes a frame.
+    pub fn of(machine: &MachineSpec, geometry: &Geometry) -> Sections {
+        Sections::new(geometry, machine.rays.section)
+    }
+
+    /// Sections of `width` of so many slots; one of all slots where none is given.
+    pub fn of_slots(slots: usize, width: Option<usize>) -> Sections {
+        let width = width.unwrap_or(slots).clamp(1, slots.max(1));
+        Sections { slots, width, behind: 0, last: slots.div_ceil(width).saturating_sub(1) }
+    }
+
+    /// The sections of a unit that gives a slot when so many more behind it have come.
+    #[must_use]
+    pub fn behind(self, slots: usize) -> Sections {
+        Sections { behind: self.behind + slots, ..self }
     }
 
     /// How many there are.
+    #[inline]
     pub fn count(&self) -> usize {
-        self.slots.div_ceil(self.width)
+        if self.slots == 0 { 0 } else { self.last + 1 }
     }
 
-    /// The slots of a section.
+    /// Whether a plane is taken as a whole.
+    #[inline]
+    pub fn is_whole(&self) -> bool {
+        self.last == 0
+    }
+
+    /// The slots of a section; none of a first one that is narrower than what its unit waits for.
+    #[inline]
     pub fn slots(&self, section: usize) -> Range<usize> {
-        (section * self.width).min(self.slots)..((section + 1) * self.width).min(self.slots)
+        let edge = |section: usize| {
+            if section > self.last { self.slots } else { (section * self.width).saturating_sub(self.behind) }
+        };
+        edge(section)..edge(section + 1)
+    }
+
+    /// The section of a slot.
+    #[inline]
+    pub fn section(&self, slot: usize) -> usize {
+        ((slot + self.behind) / self.width).min(self.last)
     }
 }
 
 impl Geometry {
     /// The voxels along u that these slots of a parallel frame have at a depth, in the order of the slots: two ranges where they go on from the
     /// last voxel to the first, else the second is empty. Padded slots beside the volume have none.
+    #[inline]
     pub fn columns(&self, slots: Range<usize>, depth: usize) -> [Range<usize>; 2] {
         let (n, column) = (self.size[0], self.u.columns[depth] as usize);
         match self.slots {
@@ -77,6 +117,22 @@ mod tests {
                     prop_assert_eq!(columns, expected);
                 }
             }
+        }
+
+        /// A unit gives slot j when slot j + `behind` has come, or the last one.
+        #[test]
+        fn sections_behind_give_what_has_come(slots in 1_usize..30, width in 1_usize..34, behind in 0_usize..5) {
+            let taken = Sections::of_slots(slots, Some(width));
+            let given = taken.behind(behind);
+            prop_assert_eq!(given.count(), slots.div_ceil(width));
+            prop_assert_eq!(given.is_whole(), width >= slots);
+            for j in 0..slots {
+                let section = given.section(j);
+                prop_assert_eq!(section, taken.section((j + behind).min(slots - 1)));
+                prop_assert!(given.slots(section).contains(&j));
+            }
+            let all: Vec<usize> = (0..given.count()).flat_map(|s| given.slots(s)).collect();
+            prop_assert_eq!(all, (0..slots).collect::<Vec<_>>());
         }
     }
 }

@@ -49,6 +49,15 @@ pub enum HostError {
         "a rotating bus cannot bring a perspective view to its lanes: set bus.kind = \"gather\" in the machine file, or make the view parallel"
     )]
     Bus,
+    /// Sections of ray slots, which share no voxels in a parallel view alone.
+    #[error(
+        "rays.section = {section} cannot be used in perspective, where the rays of a section read voxels of others: leave rays.section out of the \
+         machine file, or make the view parallel"
+    )]
+    Sections {
+        /// Ray slots of a section.
+        section: usize,
+    },
     /// A volume side out of range.
     #[error(
         "the volume has {dims:?} voxels along x, y, z; the machine's templates take 1 to {LARGEST_SIDE} each: crop or resample it"
@@ -150,6 +159,9 @@ pub(crate) fn checked_view(scene: &Scene, volume: &VolumeInfo) -> Result<ViewFra
 /// What the machine cannot do for rays of many directions.
 pub(crate) fn check_perspective(scene: &Scene, machine: &MachineSpec) -> Result<(), HostError> {
     check_bus(machine, true)?;
+    if let Some(section) = machine.rays.section {
+        return Err(HostError::Sections { section });
+    }
     let (lit, rows) = (is_lit(scene), scene.transfer.is_two_dimensional());
     let gradient = machine.abc.gradient;
     if (lit || rows) && matches!(gradient, GradientMethod::Ten | GradientMethod::TenNormalised) {
@@ -785,6 +797,21 @@ mod tests {
             }
             assert!(worst <= bound * 1.001 && worst > 0.8 * bound, "{worst} of {bound}");
         }
+    }
+
+    #[test]
+    fn sections_are_for_parallel_views() {
+        let rays = crate::Rays { section: Some(8), ..crate::Rays::default() };
+        let machine = MachineSpec { rays, ..MachineSpec::default() };
+        let volume = VolumeInfo { dims: [16; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
+        assert!(crate::picture_setup(&Scene::default(), &machine, &volume, true).is_ok());
+        let mut scene = Scene::default();
+        scene.view.perspective = Some(cube3_scene::Perspective::new(40.0));
+        assert_eq!(
+            crate::picture_setup(&scene, &machine, &volume, true).unwrap_err().to_string(),
+            "rays.section = 8 cannot be used in perspective, where the rays of a section read voxels of others: leave rays.section out \
+             of the machine file, or make the view parallel"
+        );
     }
 
     #[test]

@@ -5,11 +5,14 @@
 //! ```
 //! Ray j of a plane is finished by ray j+1. The last ray of a plane is finished by the first where slots are
 //! shared, which is kept for it, and by nothing where they are not; it leaves while the next plane begins.
+//!
+//! Where the slots of a plane are taken in sections, the ray before a section's first is the last of the section before in the same plane:
+//! it comes from an overlap buffer, which has one for every plane, and so does the first ray of each plane where slots are shared.
 
 use crate::lanes::TrilinLanes;
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
 use cube3_dsb::{RayPair, RayVoxels};
-use cube3_host::{BESIDE, FrameSetup, Geometry, MachineSpec, Perspective, Reuse, SampleBounds};
+use cube3_host::{BESIDE, FrameSetup, Geometry, MachineSpec, Perspective, Reuse, SampleBounds, Sections};
 use cube3_word::{BLOCK, Block};
 use serde::{Deserialize, Serialize};
 
@@ -129,6 +132,10 @@ impl Held {
     }
 }
 
+fn copy_pair(to: &mut [Held; 2], from: &[Held; 2]) {
+    to.iter_mut().zip(from).for_each(|(to, from)| to.copy(from));
+}
+
 /// The interpolators with their registers.
 #[derive(Clone, Debug)]
 pub struct Interpolator {
@@ -141,6 +148,8 @@ pub struct Interpolator {
     first: [Held; 2],
     before: [Held; 2],
     newest: [Held; 2],
+    /// What each plane has for other sections than the one in hand, where there are several.
+    overlap: Option<Overlap>,
     /// Lerps along u of the plane below, for each slot: those of the current plane next time.
     sides: Vec<Vec<i32>>,
     lerps: u64,
@@ -150,6 +159,29 @@ pub struct Interpolator {
     bounds: Option<Bounds>,
     /// Rows in hand, for their memory.
     rows: Rows,
+}
+
+/// The overlap buffers: of every plane the pairs of rays that other sections need. The hardware keeps of each plane one ray.
+#[derive(Clone, Debug)]
+struct Overlap {
+    sections: Sections,
+    /// The last of the section before.
+    borders: Vec<[Held; 2]>,
+    /// The first of the plane; none where slots are not shared.
+    firsts: Vec<[Held; 2]>,
+}
+
+impl Overlap {
+    /// Whether a slot is the first of a section behind another.
+    fn continues(&self, slot: usize) -> bool {
+        slot > 0 && self.sections.slots(self.sections.section(slot)).start == slot
+    }
+
+    /// Whether a slot is the last of a section before another.
+    fn breaks_off(&self, slot: usize) -> bool {
+        self.sections.slots(self.sections.section(slot)).end == slot + 1
+            && self.sections.section(slot) + 1 < self.sections.count()
+    }
 }
 
 /// Which samples of a parallel frame lie in the volume: a bit for each depth.
@@ -240,12 +272,26 @@ impl Interpolator {
             first: held(),
             before: held(),
             newest: held(),
+            overlap: None,
             sides: vec![empty(); if keeps_planes { slots } else { 0 }],
             lerps: 0,
             weights,
             bounds: Bounds::new(geometry),
             rows: Rows { words: vec![0; row + BLOCK], edges: [empty(), empty()], lerped: [empty(), empty()] },
         }
+    }
+
+    /// The same for a frame that is taken in sections.
+    #[must_use]
+    pub fn in_sections(mut self, geometry: &Geometry, sections: Sections) -> Interpolator {
+        let [_, planes] = geometry.slot_counts();
+        let held = |planes| vec![[Held::new(1, self.row), Held::new(1, self.row)]; planes];
+        self.overlap = (!sections.is_whole()).then(|| Overlap {
+            sections,
+            borders: held(planes),
+            firsts: held(if geometry.closes()[0] { planes } else { 0 }),
+        });
+        self
     }
 
     /// Lerps of whole rays done so far.
@@ -307,7 +353,12 @@ impl Interpolate for Interpolator {
         let depths = setup.geometry.size[2];
         let doubled = setup.geometry.doubled();
         std::mem::swap(&mut self.before, &mut self.newest);
-        let slot = pair.slot as usize;
+        let (plane, slot) = (pair.plane as usize, pair.slot as usize);
+        if let Some(overlap) = &self.overlap
+            && overlap.continues(slot)
+        {
+            copy_pair(&mut self.before, &overlap.borders[plane]);
+        }
         let keeps_rays = self.keeps_rays();
         // Where lerps of planes are kept, those of the current one have been made already; a cell of its own shares none.
         let current_needed = self.sides.is_empty() || pair.plane == 0 || doubled;
@@ -329,7 +380,17 @@ impl Interpolate for Interpolator {
             }
         }
         if slot == 0 {
-            self.first.iter_mut().zip(&self.newest).for_each(|(first, newest)| first.copy(newest));
+            copy_pair(&mut self.first, &self.newest);
+        }
+        if let Some(overlap) = &mut self.overlap {
+            if overlap.breaks_off(slot) {
+                copy_pair(&mut overlap.borders[plane], &self.newest);
+            }
+            if slot == 0
+                && let Some(first) = overlap.firsts.get_mut(plane)
+            {
+                copy_pair(first, &self.newest);
+            }
         }
     }
 
@@ -339,12 +400,11 @@ impl Interpolate for Interpolator {
         if slot + 1 == slots {
             // The newest pair is the last of the plane: it becomes the one before.
             std::mem::swap(&mut self.before, &mut self.newest);
-            for (newest, first) in self.newest.iter_mut().zip(&self.first) {
-                if geometry.closes()[0] {
-                    newest.copy(first);
-                } else {
-                    newest.clear();
-                }
+            if geometry.closes()[0] {
+                let kept = self.overlap.as_ref().and_then(|overlap| overlap.firsts.get(plane));
+                copy_pair(&mut self.newest, kept.unwrap_or(&self.first));
+            } else {
+                self.newest.iter_mut().for_each(Held::clear);
             }
         }
         let keeps_planes = !self.sides.is_empty();
@@ -414,6 +474,9 @@ pub struct TrilinSpec {
     pub slots: u32,
     /// Planes of the frame.
     pub planes: u32,
+    /// Whether planes are taken whole. If not, the last ray of a plane takes the cycles of a ray for itself: the section's first pair of
+    /// the next plane finishes a ray, too.
+    pub whole: bool,
 }
 
 impl TrilinSpec {
@@ -421,7 +484,8 @@ impl TrilinSpec {
     pub fn new(machine: &MachineSpec, geometry: &Geometry) -> TrilinSpec {
         let [slots, planes] = geometry.slot_counts();
         let ray_cycles = geometry.size[2].div_ceil(machine.lanes) as u64;
-        TrilinSpec { ray_cycles, slots: slots as u32, planes: planes as u32 }
+        let whole = Sections::of(machine, geometry).is_whole();
+        TrilinSpec { ray_cycles, slots: slots as u32, planes: planes as u32, whole }
     }
 }
 
@@ -437,7 +501,7 @@ pub struct TrilinUnit<I> {
 /// Where the unit is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct State {
-    /// Cycles spent on the pair at the input.
+    /// Cycles spent on the last ray of a plane, or on the pair at the input.
     spent: u64,
     /// Frame and plane whose last ray has been taken and not given.
     closing: Option<[u32; 2]>,
@@ -474,12 +538,21 @@ impl<I: Interpolate> TrilinUnit<I> {
     ) -> Activity {
         let mut activity = Activity::Starved;
         if let Some([frame, plane]) = self.state.closing {
+            let spec = self.frames[frame as usize].0;
+            if !spec.whole && self.state.spent + 1 < spec.ray_cycles {
+                self.state.spent += 1;
+                return Activity::Busy;
+            }
             let Some(output) = samples.push_slot() else {
                 return Activity::Blocked;
             };
             self.state.closing = None;
-            self.give(frames, [frame, plane, self.frames[frame as usize].0.slots - 1], output);
+            self.give(frames, [frame, plane, spec.slots - 1], output);
             activity = Activity::Busy;
+            if !spec.whole {
+                self.state.spent = 0;
+                return activity;
+            }
         }
         let Some(pair) = rays.front() else {
             return activity;
@@ -546,6 +619,7 @@ impl Archived for Interpolator {
             first,
             before,
             newest,
+            overlap,
             sides,
             lerps,
             weights: _,
@@ -555,6 +629,10 @@ impl Archived for Interpolator {
         archive.item(first)?;
         archive.item(before)?;
         archive.item(newest)?;
+        if let Some(Overlap { sections: _, borders, firsts }) = overlap {
+            archive.list(borders)?;
+            archive.list(firsts)?;
+        }
         archive.list(sides)?;
         archive.item(lerps)
     }

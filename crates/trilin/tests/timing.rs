@@ -58,7 +58,10 @@ fn the_spec_divides_depths_by_lanes() {
     for (lanes, cycles) in [(1, 2), (2, 1), (128, 1)] {
         let machine = MachineSpec { lanes, ..MachineSpec::default() };
         let [slots, planes] = setup.geometry.slot_counts().map(|count| count as u32);
-        assert_eq!(TrilinSpec::new(&machine, &setup.geometry), TrilinSpec { ray_cycles: cycles, slots, planes });
+        assert_eq!(
+            TrilinSpec::new(&machine, &setup.geometry),
+            TrilinSpec { ray_cycles: cycles, slots, planes, whole: true }
+        );
     }
 }
 
@@ -67,7 +70,7 @@ fn a_ray_leaves_with_the_pair_on_its_right_and_the_last_of_a_plane_a_cycle_after
     for ray_cycles in 1..4 {
         for slots in 1..5_u32 {
             for planes in 1..4_u32 {
-                let (left, account) = run(TrilinSpec { ray_cycles, slots, planes }, 1, 2, |_| true);
+                let (left, account) = run(TrilinSpec { ray_cycles, slots, planes, whole: true }, 1, 2, |_| true);
                 // Pair m is at the input in cycle 1 and taken after ray_cycles more for each.
                 let taken = |pair: u64| (pair + 1) * ray_cycles;
                 let expected: Vec<u64> = (0..u64::from(slots * planes))
@@ -84,7 +87,7 @@ fn a_ray_leaves_with_the_pair_on_its_right_and_the_last_of_a_plane_a_cycle_after
 
 #[test]
 fn without_pairs_the_interpolators_starve() {
-    let (left, account) = run(TrilinSpec { ray_cycles: 1, slots: 3, planes: 2 }, 10, 2, |_| true);
+    let (left, account) = run(TrilinSpec { ray_cycles: 1, slots: 3, planes: 2, whole: true }, 10, 2, |_| true);
     assert_eq!(left, [11, 21, 22, 41, 51, 52]);
     // Six pairs; the last ray of each plane has a cycle of its own.
     assert_eq!(account, Account { busy: 8, starved: 53 - 8, ..Account::default() });
@@ -92,7 +95,8 @@ fn without_pairs_the_interpolators_starve() {
 
 #[test]
 fn without_room_the_interpolators_are_blocked() {
-    let (left, account) = run(TrilinSpec { ray_cycles: 1, slots: 3, planes: 1 }, 1, 1, |cycle| cycle % 10 == 0);
+    let (left, account) =
+        run(TrilinSpec { ray_cycles: 1, slots: 3, planes: 1, whole: true }, 1, 1, |cycle| cycle % 10 == 0);
     // Pair 0 gives nothing, pair 1 gives ray 0 in cycle 2; then a ray for every one that is taken away.
     assert_eq!(left, [2, 11, 21]);
     assert_eq!(account, Account { starved: 1, busy: 4, blocked: 22 - 5, ..Account::default() });

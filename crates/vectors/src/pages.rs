@@ -229,7 +229,7 @@ impl Example {
             }
             "sheet-gradient.md" | "sheet-shading.md" => {
                 let spec = AbcSpec::new(machine, &self.setup);
-                let [plane, slot] = spec.order(0);
+                let [plane, slot] = spec.order().next().unwrap_or_default();
                 vec![
                     ("initiation interval: a ray", "⌈n_w / lanes⌉", spec.ray_cycles),
                     (

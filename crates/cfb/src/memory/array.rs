@@ -1,14 +1,15 @@
 //! All modules under the scan of the frame buffer.
 
 use super::{Chooser, MemoryCounters, Module, Served, Timing};
-use crate::golden::{Placement, Skew, gcd};
-use crate::unit::{CfbSpec, Scan, row};
+use crate::golden::{Placement, Skew};
+use crate::unit::{CfbSpec, Scan};
 use cube3_channel::{Activity, ClockDomain, Reason};
 use cube3_host::{
     ControllerKind, FrameSetup, Geometry, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryModel, MemoryType,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
+use std::ops::Range;
 
 /// The memory modules of a frame buffer: timing and addresses.
 ///
@@ -108,26 +109,31 @@ impl Modules {
     pub(crate) fn ask(&self, state: &mut MemoryState, frames: &[FrameSetup], specs: &[CfbSpec], released: u32) {
         let last = released.min(specs.len() as u32);
         while self.room(state) && state.ahead.frame < last {
-            let Scan { frame, plane, depth, spent } = state.ahead;
+            let Scan { frame, plane, depth, spent, .. } = state.ahead;
             let geometry = &frames[frame as usize].geometry;
-            let row = row(geometry, plane, depth);
             let spec = specs[frame as usize];
+            let piece = state.ahead.piece(geometry, &spec.sections);
+            let cycles = spec.piece_cycles(piece.as_ref());
+            let row = piece.as_ref().map(|piece| piece.row as usize);
             // Of a beam with two rows the second comes behind the first, if there is a first.
-            let half = spec.cycles(row) / spec.rows;
+            let half = cycles / spec.rows;
             let (fetched, step) = if spent < half || spec.rows == 1 {
-                (row.map(|row| row as usize), spent)
+                (row, spent)
             } else {
                 (row.and(geometry.row_below(plane as usize, depth as usize)), spent - half)
             };
-            let asked = match fetched {
-                Some(row) => self.serve(state, geometry, [row, depth as usize], step),
+            let asked = match piece.zip(fetched) {
+                Some((piece, row)) => {
+                    let voxels = spec.voxels_of_step(&piece, step as usize);
+                    self.serve(state, geometry, [row, depth as usize], &voxels)
+                }
                 None => Step { served: Served::AT_ONCE, missing: 0 },
             };
             state.asked.push_back(asked);
-            if spent + 1 < spec.cycles(row) {
+            if spent + 1 < cycles {
                 state.ahead.spent += 1;
             } else {
-                state.ahead.advance(geometry);
+                state.ahead.advance(geometry, &spec.sections);
             }
         }
         self.choose(state);
@@ -165,38 +171,42 @@ impl Modules {
         }
     }
 
-    /// Has the modules read their words of step `step` of the beam at row `v` and plane `w`.
-    fn serve(&self, state: &mut MemoryState, geometry: &Geometry, [v, w]: [usize; 2], step: u64) -> Step {
+    /// Has the modules read their words of a step of the beam at row `v` and plane `w`: of voxels `u` in one range or two, which are in
+    /// different modules.
+    fn serve(&self, state: &mut MemoryState, geometry: &Geometry, [v, w]: [usize; 2], u: &[Range<usize>; 2]) -> Step {
         let Skew { lanes, coefficients } = self.placement.skew;
         let axis = geometry.axes.axis[0];
         let along = coefficients[axis].rem_euclid(lanes as i64) as usize;
-        // Voxels u of the step: those of a piece of `lanes` voxels that are in different modules.
-        let together = lanes / gcd(along as i64, lanes);
-        let steps_of_piece = lanes / together;
-        let first = step as usize / steps_of_piece * lanes + step as usize % steps_of_piece * together;
-        let end = (first + together).min(geometry.size[0]);
-        let start = geometry.axes.voxel(geometry.size, [first, v, w]);
-        let base: u64 = (0..3).filter(|&a| a != axis).map(|a| self.terms[a][start[a]]).sum();
-        // Against the axis the coordinates fall; which voxel of the step is taken first changes nothing.
-        let low = if geometry.axes.reversed[0] { start[axis] + 1 - (end - first) } else { start[axis] };
-        let terms = &self.terms[axis][low..low + (end - first)];
-        let mut xyz = start.map(|i| i as i64);
-        xyz[axis] = low as i64;
-        let lowest = self.placement.skew.module(xyz);
+        let rows = u.clone().map(|u| {
+            let start = geometry.axes.voxel(geometry.size, [u.start, v, w]);
+            // Against the axis the coordinates fall; which voxel of the step is taken first changes nothing.
+            let low = if geometry.axes.reversed[0] { start[axis] + 1 - u.len().max(1) } else { start[axis] };
+            let mut xyz = start.map(|i| i as i64);
+            xyz[axis] = low as i64;
+            (xyz, &self.terms[axis][low..low + u.len()])
+        });
+        let [(start, first), _] = rows;
+        let base: u64 = (0..3).filter(|&a| a != axis).map(|a| self.terms[a][start[a] as usize]).sum();
         let MemoryState { modules, choosers, counters, ahead, now, asked, taken, .. } = state;
         let number = *taken + asked.len() as u64;
         if !choosers.is_empty() {
-            let places = terms.iter().map(|term| self.timing.place(base + term));
-            for (i, place) in places.enumerate() {
-                choosers[(lowest + i * along) % lanes].ask(place, *now, number, ahead.frame);
+            for (start, terms) in rows {
+                let lowest = self.placement.skew.module(start);
+                for (i, term) in terms.iter().enumerate() {
+                    let module = (lowest + i * along) % lanes;
+                    choosers[module].ask(self.timing.place(base + term), *now, number, ahead.frame);
+                }
             }
-            return Step { served: Served::AT_ONCE, missing: terms.len() as u32 };
+            return Step { served: Served::AT_ONCE, missing: (u[0].len() + u[1].len()) as u32 };
         }
         let mut counted = MemoryCounters::default();
         let no_address = self.timing.rows.is_none() && self.timing.burst == 1;
-        let alike = terms.len() == lanes && (no_address || terms[0] == terms[lanes - 1]);
+        let first = first.first().copied().unwrap_or(0);
+        // Terms rise with the coordinate.
+        let ends = rows.iter().flat_map(|(_, terms)| [terms.first(), terms.last()]).flatten();
+        let alike = u[0].len() + u[1].len() == lanes && (no_address || ends.copied().all(|term| term == first));
         let served = if modules.len() == 1 && alike {
-            let served = modules[0].read(&self.timing, self.timing.place(base + terms[0]), *now, &mut counted);
+            let served = modules[0].read(&self.timing, self.timing.place(base + first), *now, &mut counted);
             counted = counted.times(lanes as u64);
             served
         } else {
@@ -204,13 +214,16 @@ impl Modules {
                 let one = modules[0].clone();
                 modules.resize(lanes, one);
             }
-            let mut module = lowest;
             let mut all = Served::AT_ONCE;
-            for term in terms {
-                all = all.and(modules[module].read(&self.timing, self.timing.place(base + term), *now, &mut counted));
-                module += along;
-                if module >= lanes {
-                    module -= lanes;
+            for (xyz, terms) in rows {
+                let mut module = self.placement.skew.module(xyz);
+                for term in terms {
+                    let place = self.timing.place(base + term);
+                    all = all.and(modules[module].read(&self.timing, place, *now, &mut counted));
+                    module += along;
+                    if module >= lanes {
+                        module -= lanes;
+                    }
                 }
             }
             all
@@ -267,6 +280,7 @@ impl MemoryState {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Piece, scan};
     use bitvec::prelude::*;
     use cube3_host::{Cfb, Layout, MemoryModel, RaySlots, Rays, VolumeInfo, frame_setup, picture_setup};
     use cube3_scene::{Perspective, Scene, View};
@@ -319,6 +333,7 @@ mod tests {
             let geometry = frame_setup(&scene, &machine, &volume, true).unwrap().setup.geometry;
             prop_assert_eq!(geometry.dims(), dims);
             let modules = Modules::new(&machine, dims).unwrap();
+            let spec = CfbSpec::new(&machine, &geometry);
             let mut state = modules.start(1);
             let mut each = vec![Module::new(&modules.timing); lanes];
             let mut counters = MemoryCounters::default();
@@ -326,12 +341,72 @@ mod tests {
                 for w in 0..geometry.size[2] {
                     let expected = read_beam(&modules, &mut each, &geometry, [v, w], state.now, &mut counters);
                     for (step, expected) in expected.into_iter().enumerate() {
-                        prop_assert_eq!(modules.serve(&mut state, &geometry, [v, w], step as u64).served, expected);
+                        let piece = Piece { row: v as u32, columns: [0..geometry.size[0], 0..0] };
+                        let voxels = spec.voxels_of_step(&piece, step);
+                        prop_assert_eq!(modules.serve(&mut state, &geometry, [v, w], &voxels).served, expected);
                     }
                     prop_assert_eq!(state.counters[0], counters);
                     state.now += pace;
                 }
             }
+        }
+
+        /// The voxels of a section's slots one behind another, over the end of the row to its start: in each step those that follow and are in
+        /// different modules.
+        #[test]
+        fn pieces_of_beams_are_read_in_the_order_of_their_slots(
+            lanes in 1_usize..7, dims in [1_usize..13, 1_usize..6, 1_usize..13], direction in [-1.0..1.0_f64, -1.0..1.0_f64, -1.0..1.0_f64],
+            skew in prop_oneof![Just([1_i64; 3]), [-3_i64..4, -3_i64..4, -3_i64..4]], blocks: bool, padded: bool, section in 1_usize..14,
+            kind in proptest::sample::select(MemoryModel::TABLE.map(|model| model.kind).to_vec()),
+        ) {
+            prop_assume!(direction.iter().any(|x| x.abs() > 0.01));
+            let layout = if blocks { Layout::Blocks } else { Layout::Rows };
+            let slots = if padded { RaySlots::Padded } else { RaySlots::Wrapped };
+            let cfb = Cfb { skew, memory: kind, memory_clock_hz: Some(20e6), layout, ..Cfb::default() };
+            let rays = Rays { slots, section: Some(section), ..Rays::default() };
+            let machine = MachineSpec { lanes, cfb, rays, ..MachineSpec::default() };
+            let scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
+            let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };
+            let frames = vec![frame_setup(&scene, &machine, &volume, true).unwrap().setup];
+            let geometry = &frames[0].geometry;
+            let specs = vec![CfbSpec::new(&machine, geometry)];
+            let modules = Modules::new(&machine, dims).unwrap();
+            let mut state = modules.start(1);
+            let mut each = vec![Module::new(&modules.timing); lanes];
+            let mut counters = MemoryCounters::default();
+            let [_, planes] = geometry.slot_counts();
+            let pieces: Vec<([u32; 3], Piece)> = scan(geometry, &specs[0].sections).collect();
+            let (mut pieces, mut voxels) = (pieces.into_iter().peekable(), 0);
+            for section in 0..specs[0].sections.count() as u32 {
+                for (plane, depth) in (0..planes as u32).flat_map(|plane| (0..geometry.size[2] as u32).map(move |depth| (plane, depth))) {
+                    let piece = pieces.next_if(|(at, _)| *at == [section, plane, depth]).map(|(_, piece)| piece);
+                    let mut steps = Vec::new();
+                    if let Some(piece) = &piece {
+                        let mut taken = bitvec![1; lanes];
+                        for u in piece.columns.iter().cloned().flatten() {
+                            let xyz = geometry.axes.voxel(geometry.size, [u, piece.row as usize, depth as usize]);
+                            let module = modules.placement.skew.module(xyz.map(|i| i as i64));
+                            if taken[module] {
+                                taken.fill(false);
+                                steps.push(Served::AT_ONCE);
+                            }
+                            taken.set(module, true);
+                            let place = modules.timing.place(modules.placement.address(xyz) as u64);
+                            let served = each[module].read(&modules.timing, place, 0, &mut counters);
+                            let step = steps.last_mut().unwrap();
+                            *step = step.and(served);
+                            voxels += 1;
+                        }
+                    }
+                    prop_assert_eq!(specs[0].piece_cycles(piece.as_ref()), steps.len().max(1) as u64);
+                    for expected in if steps.is_empty() { vec![Served::AT_ONCE] } else { steps } {
+                        modules.ask(&mut state, &frames, &specs, u32::MAX);
+                        prop_assert_eq!(state.asked.pop_front().map(|step| step.served), Some(expected));
+                    }
+                }
+            }
+            prop_assert_eq!((voxels, pieces.next()), (dims.iter().product::<usize>(), None));
+            prop_assert_eq!(state.counters[0], counters);
         }
 
         /// Beams of two rows: the row of the plane first, then the one below, each as a beam of its own; outside of the volume nothing

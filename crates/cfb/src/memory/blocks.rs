@@ -9,14 +9,15 @@
 //! mini-blocks one behind another, as far ahead of the first that is not there as the look-ahead lets it. A step of a beam goes on when the
 //! mini-blocks of its voxels are there whole, and a row leaves the buffer with the last beam that uses it.
 
-use super::rows::{ReorderNeed, along, is_first, is_last, number, of_voxels, pair, row_minis, row_words, used};
+use super::rows::{At, ReorderNeed, along, number, of_voxels, pair, words_of};
 use super::{MemoryCounters, Module, Place, Served, Timing};
 use crate::golden::{Placement, Skew, gcd};
-use crate::unit::Scan;
+use crate::unit::{CfbSpec, Scan};
 use cube3_channel::{Activity, ClockDomain, Reason};
 use cube3_host::{FrameSetup, Geometry, Layout, LookAheadFreed, LookAheadUnit, MachineSpec};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
+use std::ops::Range;
 
 /// A reorder buffer that is too small.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -149,11 +150,14 @@ struct Open {
     served: Served,
 }
 
-/// A row of mini-blocks in the buffer or on its way there.
+/// A row of mini-blocks, or a part of one, in the buffer or on its way there.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Row {
     frame: u32,
+    section: u32,
     j: u32,
+    /// Its mini-blocks, from the first to behind the last.
+    minis: [u32; 2],
     /// What j and k give to places.
     base: Mini,
     /// Modules that have asked for all of theirs.
@@ -164,6 +168,13 @@ struct Row {
     there: u32,
     /// When each is, until all are.
     arrivals: Vec<Arrival>,
+}
+
+impl Row {
+    /// What tells it from the others at its depths: frame, section, row, first mini-block.
+    fn key(&self) -> [u32; 4] {
+        [self.frame, self.section, self.j, self.minis[0]]
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -252,7 +263,7 @@ impl BlockModules {
 
     /// Has each module ask for bursts as far ahead as it may, in frames before `released`.
     #[inline]
-    pub(crate) fn ask(&self, state: &mut BlockState, frames: &[FrameSetup], released: u32) {
+    pub(crate) fn ask(&self, state: &mut BlockState, frames: &[FrameSetup], specs: &[CfbSpec], released: u32) {
         let released = released.min(frames.len() as u32);
         if state.now < state.wake && state.held.is_none_or(|held| held == released) {
             return;
@@ -268,7 +279,7 @@ impl BlockModules {
                     state.wake = state.wake.min(tick);
                     break;
                 }
-                let Some((place, mini)) = self.next_mini(state, module, frames, released) else {
+                let Some((place, mini)) = self.next_mini(state, module, frames, specs, released) else {
                     state.held = Some(released);
                     break;
                 };
@@ -304,11 +315,12 @@ impl BlockModules {
         state: &mut BlockState,
         module: usize,
         frames: &[FrameSetup],
+        specs: &[CfbSpec],
         released: u32,
     ) -> Option<(usize, usize)> {
         loop {
             let number = (state.readers[module].row - state.first) as usize;
-            if number == state.line.len() && !self.admit(state, frames, released) {
+            if number == state.line.len() && !self.admit(state, frames, specs, released) {
                 return None;
             }
             let place = state.line[number] as usize;
@@ -317,9 +329,12 @@ impl BlockModules {
             let geometry = &frames[row.frame as usize].geometry;
             let mini = match reader.mini {
                 Some(mini) => Some(mini as usize),
-                None => self.round(geometry).first(self.lanes, self.start_module(geometry, row), module),
+                None => {
+                    let first = self.round(geometry).first(self.lanes, self.start_module(geometry, row), module);
+                    first.map(|first| first + row.minis[0] as usize)
+                }
             };
-            if let Some(mini) = mini.filter(|&mini| mini < row_minis(geometry)) {
+            if let Some(mini) = mini.filter(|&mini| mini < row.minis[1] as usize) {
                 reader.mini = Some(mini as u32);
                 return Some((place, mini));
             }
@@ -337,44 +352,55 @@ impl BlockModules {
         }
     }
 
-    /// Puts the next row that some beam uses first into the line, where there is one and the buffer has room for it.
-    fn admit(&self, state: &mut BlockState, frames: &[FrameSetup], released: u32) -> bool {
+    /// Puts the next row, or part of one, that some beam uses first into the line, where there is one and the buffer has room for it.
+    fn admit(&self, state: &mut BlockState, frames: &[FrameSetup], specs: &[CfbSpec], released: u32) -> bool {
         while state.ahead.frame < released {
-            let Scan { frame, plane, depth, spent } = state.ahead;
-            let geometry = &frames[frame as usize].geometry;
-            for (i, j) in used(geometry, plane, depth).into_iter().enumerate().skip(spent as usize) {
-                state.ahead.spent = i as u64;
-                let Some(j) = j.filter(|&j| is_first(geometry, plane, depth, j)) else { continue };
-                let words = row_words(geometry);
-                if state.words + words > self.words {
-                    return false;
+            let frame = state.ahead.frame as usize;
+            let (geometry, sections) = (&frames[frame].geometry, specs[frame].sections);
+            let at = At::of(&state.ahead, geometry, &sections);
+            // In order: the rows of mini-blocks, and of each up to two parts.
+            let begun = state.ahead.spent as usize;
+            for (i, j) in at.used().into_iter().enumerate().skip(begun / 2) {
+                let Some(j) = j.filter(|&j| at.is_first(j)) else { continue };
+                for (part, minis) in at.brought().into_iter().enumerate() {
+                    if 2 * i + part < begun || minis.is_empty() {
+                        continue;
+                    }
+                    state.ahead.spent = (2 * i + part) as u64;
+                    let words = words_of(minis.len());
+                    if state.words + words > self.words {
+                        return false;
+                    }
+                    state.ahead.spent += 1;
+                    state.words += words;
+                    state.reorder.rows += 1;
+                    state.reorder.mini_blocks += minis.len() as u64;
+                    state.reorder.peak_words = state.reorder.peak_words.max(state.words);
+                    self.place_row(state, frame as u32, &at, j, minis);
+                    return true;
                 }
-                state.ahead.spent += 1;
-                self.place_row(state, geometry, frame, pair(geometry, depth), j);
-                state.words += words;
-                state.reorder.rows += 1;
-                state.reorder.mini_blocks += row_minis(geometry) as u64;
-                state.reorder.peak_words = state.reorder.peak_words.max(state.words);
-                return true;
             }
-            state.ahead.advance(geometry);
+            state.ahead.advance(geometry, &sections);
         }
         false
     }
 
-    /// Gives a row a place in the buffer.
-    fn place_row(&self, state: &mut BlockState, geometry: &Geometry, frame: u32, k: usize, j: usize) {
+    /// Gives mini-blocks of a row a place in the buffer.
+    fn place_row(&self, state: &mut BlockState, frame: u32, at: &At<'_>, j: usize, minis: Range<usize>) {
         let place = state.free.pop().unwrap_or_else(|| {
             state.rows.push(Row::default());
             state.rows.len() as u32 - 1
         });
-        let [_, v, w] = geometry.axes.axis;
+        let k = pair(at.geometry, at.depth);
+        let [_, v, w] = at.geometry.axes.axis;
         let missing = (Placement::MINI_WORDS / self.burst_words()) as u32;
         let row = &mut state.rows[place as usize];
-        (row.frame, row.j, row.base) = (frame, j as u32, self.minis[v][j].plus(self.minis[w][k]));
+        (row.frame, row.section, row.j) = (frame, at.section, j as u32);
+        row.base = self.minis[v][j].plus(self.minis[w][k]);
+        row.minis = [minis.start as u32, minis.end as u32];
         (row.passed, row.left, row.there) = (0, false, 0);
         row.arrivals.clear();
-        row.arrivals.resize(row_minis(geometry), Arrival { missing, served: Served::AT_ONCE });
+        row.arrivals.resize(minis.len(), Arrival { missing, served: Served::AT_ONCE });
         state.by_pair[k].push(place);
         state.line.push_back(place);
     }
@@ -399,7 +425,7 @@ impl BlockModules {
             served = served.and(reader.module.read(&self.timing, word(words - 1), state.now, counters));
             counters.words += words - 2;
         }
-        let arrival = &mut row.arrivals[mini];
+        let arrival = &mut row.arrivals[mini - row.minis[0] as usize];
         arrival.missing -= 1;
         arrival.served = arrival.served.and(served);
         reader.open.push_back(Open { first: first_word, served });
@@ -415,41 +441,66 @@ impl BlockModules {
         self.rounds[geometry.axes.axis[0]][usize::from(geometry.axes.reversed[0])]
     }
 
-    /// The module of a row's first mini-block.
+    /// The module of a row's first mini-block that is read.
     fn start_module(&self, geometry: &Geometry, row: &Row) -> usize {
-        let first = self.minis[geometry.axes.axis[0]][along(geometry, 0)];
+        let first = self.minis[geometry.axes.axis[0]][along(geometry, row.minis[0] as usize)];
         (first.module + row.base.module) as usize % self.lanes
     }
 
-    /// What the frame buffer does in this cycle while mini-blocks of its step are not there; none where all are. The step is that of
-    /// the row `v` of voxels at a depth, up to voxel `last` along u.
+    /// What the frame buffer does in this cycle while mini-blocks of its step are not there; none where all are. The step is that of the
+    /// beam at `at` and its row `v` of voxels, and of these voxels along u.
     #[inline]
     pub(crate) fn waits(
         &self,
         state: &mut BlockState,
-        geometry: &Geometry,
         frame: u32,
-        [v, depth]: [usize; 2],
-        last: usize,
+        at: &At<'_>,
+        v: usize,
+        voxels: &[Range<usize>; 2],
     ) -> Option<Activity> {
-        let j = of_voxels(geometry, v) as u32;
-        let here = &state.by_pair[pair(geometry, depth as u32)];
-        let mine = |&&place: &&u32| state.rows[place as usize].j == j && state.rows[place as usize].frame == frame;
-        let Some(&place) = here.iter().find(mine) else {
+        let j = of_voxels(at.geometry, v) as u32;
+        let mut waiting = None;
+        for minis in at.brought().into_iter().filter(|minis| !minis.is_empty()) {
+            for voxels in voxels.iter().filter(|voxels| !voxels.is_empty()) {
+                let [first, last] = [voxels.start, voxels.end - 1].map(|u| number(at.geometry, u));
+                // What is not among these has come with the section before.
+                let needed = [first.max(minis.start), last.min(minis.end - 1)].map(|mini| mini as u32);
+                if needed[0] <= needed[1]
+                    && let Some(served) = self.waits_for(state, at, [frame, j, minis.start as u32], needed)
+                {
+                    waiting = Some(waiting.unwrap_or(Served::AT_ONCE).and(served));
+                }
+            }
+        }
+        waiting.map(|served| activity(served, state.next - 1))
+    }
+
+    /// What is waited for, of the mini-blocks of a row from number `first` to number `last`.
+    #[inline]
+    fn waits_for(
+        &self,
+        state: &mut BlockState,
+        at: &At<'_>,
+        [frame, j, start]: [u32; 3],
+        [first, last]: [u32; 2],
+    ) -> Option<Served> {
+        let here = &state.by_pair[pair(at.geometry, at.depth)];
+        let key = [frame, at.section, j, start];
+        let Some(&place) = here.iter().find(|&&place| state.rows[place as usize].key() == key) else {
             let slowest = state.readers.iter().filter_map(|reader| reader.open.front());
-            let served = slowest.fold(Served::AT_ONCE, |all, burst| all.and(burst.served));
-            return Some(activity(served, state.next - 1));
+            return Some(slowest.fold(Served::AT_ONCE, |all, burst| all.and(burst.served)));
         };
         let row = &mut state.rows[place as usize];
-        let last = number(geometry, last) as u32;
+        let [first, last] = [first, last].map(|mini| mini - start);
         if row.there > last {
             return None;
         }
-        while row.there <= last {
-            let arrival = row.arrivals[row.there as usize];
-            if arrival.missing > 0 || arrival.served.ready >= state.next {
-                break;
-            }
+        let next = state.next;
+        let missing = |row: &Row, mini: u32| {
+            let arrival = row.arrivals[mini as usize];
+            arrival.missing > 0 || arrival.served.ready >= next
+        };
+        while row.there <= last && !missing(row, row.there) {
             row.there += 1;
         }
         if row.there > last {
@@ -458,10 +509,14 @@ impl BlockModules {
             }
             return None;
         }
-        let (row, round) = (&state.rows[place as usize], self.round(geometry));
-        let start = self.start_module(geometry, row);
+        let (row, round) = (&state.rows[place as usize], self.round(at.geometry));
+        let start = self.start_module(at.geometry, row);
+        let needed = first.max(row.there)..=last;
+        if !needed.clone().any(|mini| missing(row, mini)) {
+            return None;
+        }
         let mut served = Served::AT_ONCE;
-        for mini in row.there..=last {
+        for mini in needed {
             let arrival = row.arrivals[mini as usize];
             served = served.and(arrival.served);
             if arrival.missing > 0 {
@@ -470,25 +525,24 @@ impl BlockModules {
                 served = state.readers[module].open.front().map_or(served, |burst| served.and(burst.served));
             }
         }
-        Some(activity(served, state.next - 1))
+        Some(served)
     }
 
     /// A beam is over: the rows that no beam of this plane or the next uses leave the buffer.
-    pub(crate) fn leave(&self, state: &mut BlockState, geometry: &Geometry, frame: u32, plane: u32, depth: u32) {
-        for j in used(geometry, plane, depth).into_iter().flatten() {
-            if !is_last(geometry, plane, depth, j) {
-                continue;
+    pub(crate) fn leave(&self, state: &mut BlockState, frame: u32, at: &At<'_>) {
+        for j in at.used().into_iter().flatten().filter(|&j| at.is_last(j)) {
+            for minis in at.brought().into_iter().filter(|minis| !minis.is_empty()) {
+                let BlockState { rows, by_pair, free, words, .. } = state;
+                let here = &mut by_pair[pair(at.geometry, at.depth)];
+                let key = [frame, at.section, j as u32, minis.start as u32];
+                let Some(oldest) = here.iter().position(|&place| rows[place as usize].key() == key) else { continue };
+                let place = here.remove(oldest);
+                rows[place as usize].left = true;
+                if rows[place as usize].passed as usize == self.lanes {
+                    free.push(place);
+                }
+                *words -= words_of(minis.len());
             }
-            let BlockState { rows, by_pair, free, .. } = state;
-            let here = &mut by_pair[pair(geometry, depth)];
-            let mine = |&place: &u32| rows[place as usize].j == j as u32 && rows[place as usize].frame == frame;
-            let Some(at) = here.iter().position(mine) else { continue };
-            let place = here.remove(at);
-            rows[place as usize].left = true;
-            if rows[place as usize].passed as usize == self.lanes {
-                free.push(place);
-            }
-            state.words -= row_words(geometry);
             state.wake = i64::MIN;
         }
     }

@@ -5,10 +5,14 @@
 //! plane to plane the row of voxels at a depth moves by one, so that a row of mini-blocks is used in two or three planes that follow each
 //! other; where planes wrap round, some are used in the first planes and again in the last. A row stays in the buffer as long as the same
 //! plane or the next one uses it again.
+//!
+//! Where ray slots are taken in sections, a section brings what its slots use of such a row at both depths, and what the section before has
+//! not brought: mini-blocks across the edge of a section are read once, and kept beside the chip for the next one.
 
 use crate::golden::Placement;
-use crate::unit::{CfbSpec, row};
-use cube3_host::{Geometry, LookAheadUnit, MachineSpec, MemoryModel};
+use crate::unit::{CfbSpec, Scan};
+use cube3_host::{Geometry, LookAheadUnit, MachineSpec, MemoryModel, RaySlots, Sections};
+use std::ops::Range;
 
 /// The mini-block, along the axis behind v (1) or w (2), of a row or depth.
 fn mini(geometry: &Geometry, axis: usize, coordinate: usize) -> usize {
@@ -32,9 +36,123 @@ pub(super) fn number(geometry: &Geometry, u: usize) -> usize {
     along(geometry, mini(geometry, 0, u))
 }
 
-/// Words of a row.
-pub(super) fn row_words(geometry: &Geometry) -> u64 {
-    (row_minis(geometry) * Placement::MINI_WORDS) as u64
+/// Words of so many mini-blocks.
+pub(super) fn words_of(minis: usize) -> u64 {
+    (minis * Placement::MINI_WORDS) as u64
+}
+
+/// Where a beam stands in the scan of its frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct At<'a> {
+    pub geometry: &'a Geometry,
+    pub sections: &'a Sections,
+    pub section: u32,
+    pub plane: u32,
+    pub depth: u32,
+}
+
+impl<'a> At<'a> {
+    /// The beam of a place in the scan.
+    pub fn of(scan: &Scan, geometry: &'a Geometry, sections: &'a Sections) -> At<'a> {
+        At { geometry, sections, section: scan.section, plane: scan.plane, depth: scan.depth }
+    }
+
+    /// The rows of mini-blocks that the beam uses, in the order in which it does: none where it is outside of the volume, two where
+    /// slots need their own cells and these lie in both.
+    pub fn used(&self) -> [Option<usize>; 2] {
+        let At { geometry, sections, section, plane, depth } = *self;
+        let Some(piece) = (Scan { section, plane, depth, ..Scan::default() }).piece(geometry, sections) else {
+            return [None; 2];
+        };
+        let near = of_voxels(geometry, piece.row as usize);
+        let below = if geometry.doubled() { geometry.row_below(plane as usize, depth as usize) } else { None };
+        [Some(near), below.map(|v| of_voxels(geometry, v)).filter(|&below| below != near)]
+    }
+
+    fn uses(&self, plane: u32, depth: u32, j: usize) -> bool {
+        At { plane, depth, ..*self }.used().contains(&Some(j))
+    }
+
+    /// Whether the beam, which uses row `j`, is the first to do so since the row was last in the buffer.
+    pub fn is_first(&self, j: usize) -> bool {
+        let At { geometry, plane, depth, .. } = *self;
+        let partner = partner(geometry, depth);
+        let before = partner.is_some_and(|partner| partner < depth && self.uses(plane, partner, j));
+        let beside = plane.checked_sub(1).is_some_and(|above| {
+            self.uses(above, depth, j) || partner.is_some_and(|partner| self.uses(above, partner, j))
+        });
+        !before && !beside
+    }
+
+    /// Whether it is the last one before the row leaves the buffer.
+    pub fn is_last(&self, j: usize) -> bool {
+        let At { geometry, plane, depth, .. } = *self;
+        let partner = partner(geometry, depth);
+        let behind = partner.is_some_and(|partner| partner > depth && self.uses(plane, partner, j));
+        let below = plane + 1;
+        let beside = (below as usize) < geometry.slot_counts()[1]
+            && (self.uses(below, depth, j) || partner.is_some_and(|partner| self.uses(below, partner, j)));
+        !behind && !beside
+    }
+
+    /// The mini-blocks, by their numbers, that the section brings of a row at this depth and the one beside it: two ranges where they go on from
+    /// the row's last to its first.
+    pub fn brought(&self) -> [Range<usize>; 2] {
+        let all = row_minis(self.geometry);
+        if self.sections.is_whole() {
+            return [0..all, 0..0];
+        }
+        let Some(mut brought) = self.touched(self.section) else {
+            return [0..0, 0..0];
+        };
+        if let Some(before) = self.section.checked_sub(1).and_then(|before| self.touched(before)) {
+            brought.end = brought.end.min(before.start + all);
+            brought.start = brought.end.min(brought.start.max(before.end));
+        }
+        let (start, count) = (brought.start % all, brought.len().min(all));
+        [start..all.min(start + count), 0..(start + count).saturating_sub(all)]
+    }
+
+    /// How many mini-blocks the section uses that the section before has brought.
+    fn kept(&self) -> usize {
+        let brought: usize = self.brought().iter().map(Range::len).sum();
+        self.touched(self.section).map_or(0, |minis| minis.len().min(row_minis(self.geometry)) - brought)
+    }
+
+    /// The mini-blocks that the slots of a section use at this depth and the one beside it, counted on where they go on from the row's last to its
+    /// first.
+    fn touched(&self, section: u32) -> Option<Range<usize>> {
+        let At { geometry, sections, depth, .. } = *self;
+        let (n, all) = (geometry.size[0], row_minis(geometry));
+        let depths = [Some(depth), partner(geometry, depth)].into_iter().flatten();
+        let nearest = depths.clone().min().unwrap_or(depth);
+        let rounds = geometry.u.columns[nearest as usize] as usize / n * n;
+        let slots = sections.slots(section as usize);
+        let spans = depths.filter_map(|depth| {
+            let columns = match geometry.slots {
+                RaySlots::Wrapped => {
+                    let column = geometry.u.columns[depth as usize] as usize - rounds;
+                    slots.start + column..slots.end + column
+                }
+                RaySlots::Padded => geometry.columns(slots.clone(), depth as usize)[0].clone(),
+            };
+            let mini = |u: usize| number(geometry, u % n) + u / n * all;
+            (!columns.is_empty()).then(|| mini(columns.start)..mini(columns.end - 1) + 1)
+        });
+        spans.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end))
+    }
+}
+
+/// Words of mini-blocks that lie across the edges of sections and are kept beside the chip from one section to the next; the most at a time.
+pub fn edge_words(machine: &MachineSpec, geometry: &Geometry) -> u64 {
+    let sections = Sections::of(machine, geometry);
+    let rows = geometry.size[1].div_ceil(Placement::MINI);
+    let at = |section: usize| {
+        let kept =
+            (0..geometry.size[2] as u32).filter(|&depth| partner(geometry, depth).is_none_or(|beside| beside > depth));
+        kept.map(|depth| At { geometry, sections: &sections, section: section as u32, plane: 0, depth }.kept()).sum()
+    };
+    words_of((1..sections.count()).map(at).max().unwrap_or(0) * rows)
 }
 
 /// The mini-blocks along w that a depth is in.
@@ -53,39 +171,6 @@ pub(super) fn of_voxels(geometry: &Geometry, v: usize) -> usize {
     mini(geometry, 1, v)
 }
 
-/// The rows of mini-blocks that the beam of a plane at a depth uses, in the order in which it does: none where it is outside of the
-/// volume, two where slots need their own cells and these lie in both.
-pub(super) fn used(geometry: &Geometry, plane: u32, depth: u32) -> [Option<usize>; 2] {
-    let Some(near) = row(geometry, plane, depth) else {
-        return [None; 2];
-    };
-    let near = of_voxels(geometry, near as usize);
-    let below = if geometry.doubled() { geometry.row_below(plane as usize, depth as usize) } else { None };
-    [Some(near), below.map(|v| of_voxels(geometry, v)).filter(|&below| below != near)]
-}
-
-/// Whether the beam of a plane at a depth, which uses row `j`, is the first to do so since the row was last in the buffer.
-pub(super) fn is_first(geometry: &Geometry, plane: u32, depth: u32, j: usize) -> bool {
-    let partner = partner(geometry, depth);
-    let uses = |plane, depth| used(geometry, plane, depth).contains(&Some(j));
-    let before = partner.is_some_and(|partner| partner < depth && uses(plane, partner));
-    let beside = plane
-        .checked_sub(1)
-        .is_some_and(|above| uses(above, depth) || partner.is_some_and(|partner| uses(above, partner)));
-    !before && !beside
-}
-
-/// Whether it is the last one before the row leaves the buffer.
-pub(super) fn is_last(geometry: &Geometry, plane: u32, depth: u32, j: usize) -> bool {
-    let partner = partner(geometry, depth);
-    let uses = |plane, depth| used(geometry, plane, depth).contains(&Some(j));
-    let behind = partner.is_some_and(|partner| partner > depth && uses(plane, partner));
-    let below = plane + 1;
-    let beside = (below as usize) < geometry.slot_counts()[1]
-        && (uses(below, depth) || partner.is_some_and(|partner| uses(below, partner)));
-    !behind && !beside
-}
-
 /// What a frame needs of the reorder buffer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReorderNeed {
@@ -94,7 +179,7 @@ pub struct ReorderNeed {
     /// Words that let the modules read at one rate throughout the frame, as late as each beam allows; and the words that they are asked for
     /// ahead, and two rows more.
     pub steady: u64,
-    /// Rows of mini-blocks that are read, some twice.
+    /// Rows of mini-blocks that are read, some twice; in sections parts of rows.
     pub rows: u64,
     /// Words that are read.
     pub words: u64,
@@ -103,39 +188,44 @@ pub struct ReorderNeed {
 impl ReorderNeed {
     /// The need of a frame on a machine.
     ///
-    /// With N(t) rows asked for first by the beams up to beam t, R(t) rows left behind by those before it, and the beam from cycle s(t) to
-    /// e(t) of T: reading N(T) rows at one rate, row N(t) has to be there at s(t), so the reading begins at the least of s(t) − T·N(t)/N(T)
+    /// With N(t) words asked for first by the beams up to beam t, R(t) words left behind by those before it, and the beam from cycle s(t) to
+    /// e(t) of T: reading N(T) words at one rate, word N(t) has to be there at s(t), so the reading begins at the least of s(t) − T·N(t)/N(T)
     /// at the latest, and at e(t) the buffer holds what has been read until then less R(t).
     pub fn new(machine: &MachineSpec, geometry: &Geometry) -> ReorderNeed {
         let spec = CfbSpec::new(machine, geometry);
-        let [planes, depths] = [geometry.slot_counts()[1], geometry.size[2]].map(|n| n as u32);
-        let (mut cycle, mut asked, mut left, mut least) = (0, 0_u64, 0_u64, 0);
+        let (mut cycle, mut rows, mut asked, mut left, mut least, mut widest) = (0, 0, 0_u64, 0_u64, 0, 0);
         let (mut starts, mut ends) = (Vec::new(), Vec::new());
-        for plane in 0..planes {
-            for depth in 0..depths {
-                let rows = used(geometry, plane, depth).into_iter().flatten();
-                let (before, mut leave) = (asked, 0);
-                for j in rows {
-                    asked += u64::from(is_first(geometry, plane, depth, j));
-                    leave += u64::from(is_last(geometry, plane, depth, j));
+        let mut scan = Scan::default();
+        while scan.frame == 0 {
+            let at = At::of(&scan, geometry, &spec.sections);
+            let brought = at.brought().map(|minis| words_of(minis.len()));
+            let (words, parts) = (brought.iter().sum(), brought.iter().filter(|&&words| words > 0).count() as u64);
+            let (before, mut leave) = (asked, 0);
+            for j in at.used().into_iter().flatten() {
+                if at.is_first(j) {
+                    asked += words;
+                    rows += parts;
+                    widest = brought.into_iter().fold(widest, u64::max);
                 }
-                least = least.max(asked - left);
-                if asked > before {
-                    starts.push([cycle, asked]);
-                }
-                cycle += spec.cycles(row(geometry, plane, depth));
-                if leave > 0 {
-                    ends.push([cycle, left]);
-                    left += leave;
-                }
+                leave += if at.is_last(j) { words } else { 0 };
             }
+            least = least.max(asked - left);
+            if asked > before {
+                starts.push([cycle, asked]);
+            }
+            cycle += spec.piece_cycles(scan.piece(geometry, &spec.sections).as_ref());
+            if leave > 0 {
+                ends.push([cycle, left]);
+                left += leave;
+            }
+            scan.advance(geometry, &spec.sections);
         }
-        // In rows · cycles.
-        let ahead = |[at, rows]: [u64; 2]| i128::from(asked) * i128::from(at) - i128::from(cycle) * i128::from(rows);
+        // In words · cycles.
+        let ahead = |[at, words]: [u64; 2]| i128::from(asked) * i128::from(at) - i128::from(cycle) * i128::from(words);
         let begin = starts.into_iter().map(ahead).min().unwrap_or(0);
         let most = ends.into_iter().map(ahead).max().unwrap_or(0);
-        let held = ((most - begin) as u64).div_ceil(cycle.max(1));
-        let words = row_words(geometry);
+        let held = ((most - begin) as u64).div_ceil(cycle.max(1)).max(least);
+        let held = if widest > 0 { held.next_multiple_of(widest) } else { held };
         let model = MemoryModel::of_machine(&machine.cfb);
         let burst = model.burst.min(Placement::MINI_WORDS);
         let bursts = match machine.cfb.look_ahead_unit {
@@ -143,11 +233,6 @@ impl ReorderNeed {
             LookAheadUnit::Bursts => model.look_ahead,
         };
         let outstanding = bursts * burst * machine.lanes;
-        ReorderNeed {
-            least: least * words,
-            steady: (held.max(least) + 2) * words + outstanding as u64,
-            rows: asked,
-            words: asked * words,
-        }
+        ReorderNeed { least, steady: held + 2 * widest + outstanding as u64, rows, words: asked }
     }
 }

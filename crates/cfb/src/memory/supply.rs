@@ -1,7 +1,8 @@
 //! What brings words to the beams of the frame buffer.
 
+use super::rows::At;
 use super::{BlockModules, BlockState, MemoryCounters, MemoryState, Modules, ReorderCounters, ReorderError};
-use crate::unit::{CfbSpec, Scan, row};
+use crate::unit::{CfbSpec, Scan};
 use cube3_channel::Activity;
 use cube3_host::{FrameSetup, Geometry, Layout, MachineSpec};
 use serde::{Deserialize, Serialize};
@@ -49,7 +50,7 @@ impl Supply {
     pub(crate) fn ask(&self, state: &mut SupplyState, frames: &[FrameSetup], specs: &[CfbSpec], released: u32) {
         match (self, state) {
             (Supply::Beams(modules), SupplyState::Beams(state)) => modules.ask(state, frames, specs, released),
-            (Supply::Blocks(modules), SupplyState::Blocks(state)) => modules.ask(state, frames, released),
+            (Supply::Blocks(modules), SupplyState::Blocks(state)) => modules.ask(state, frames, specs, released),
             _ => {}
         }
     }
@@ -72,17 +73,16 @@ impl Supply {
                 activity
             }
             (Supply::Blocks(modules), SupplyState::Blocks(state)) => {
-                let Scan { frame, plane, depth, spent } = *scan;
-                let near = row(geometry, plane, depth)?;
+                let piece = scan.piece(geometry, &spec.sections)?;
                 // Of a beam with two rows the second comes behind the first, if there is one.
-                let half = spec.beam_cycles / spec.rows;
-                let (v, step) = if spent < half {
-                    (near as usize, spent)
+                let half = spec.piece_cycles(Some(&piece)) / spec.rows;
+                let (v, step) = if scan.spent < half {
+                    (piece.row as usize, scan.spent)
                 } else {
-                    (geometry.row_below(plane as usize, depth as usize)?, spent - half)
+                    (geometry.row_below(scan.plane as usize, scan.depth as usize)?, scan.spent - half)
                 };
-                let last = ((step as usize + 1) * spec.lanes).min(geometry.size[0]) - 1;
-                modules.waits(state, geometry, frame, [v, depth as usize], last)
+                let at = At::of(scan, geometry, &spec.sections);
+                modules.waits(state, scan.frame, &at, v, &spec.voxels_of_step(&piece, step as usize))
             }
             _ => None,
         }
@@ -90,9 +90,9 @@ impl Supply {
 
     /// A beam is over.
     #[inline]
-    pub(crate) fn end_beam(&self, state: &mut SupplyState, geometry: &Geometry, scan: &Scan) {
+    pub(crate) fn end_beam(&self, state: &mut SupplyState, geometry: &Geometry, spec: &CfbSpec, scan: &Scan) {
         if let (Supply::Blocks(modules), SupplyState::Blocks(state)) = (self, state) {
-            modules.leave(state, geometry, scan.frame, scan.plane, scan.depth);
+            modules.leave(state, scan.frame, &At::of(scan, geometry, &spec.sections));
         }
     }
 }

@@ -64,8 +64,8 @@ impl Unit for Dsb {
         let mut store = PlaneStore::new(&geometry, lanes, 2);
         let places: Vec<u16> = (0..side as u16).collect();
         for depth in 0..side {
-            store.write(0, depth, Some(&places));
-            store.write(1, depth, Some(&vec![depth as u16; side]));
+            store.write(0, 0, depth, Some(&places));
+            store.write(0, 1, depth, Some(&vec![depth as u16; side]));
         }
         let mut rays = [Vec::new(), Vec::new()];
         let mut answer = |inputs: &Vec<i128>| {
