@@ -233,14 +233,17 @@ fn modules_of_mini_blocks_lose_the_stolen_cycles_and_no_more() {
         alone.run(&|_, _| {}).unwrap();
         let mut run = Machine::timing(&machine, vec![setup; 2]).unwrap();
         let spec = PortSpec::new(&machine, [n; 3], None);
-        assert_eq!((spec.group, spec.words_per_cycle()), (4, words_per_cycle));
+        assert!(spec.group == 4 && (spec.words_per_cycle() - words_per_cycle).abs() < 1e-9);
         run.acquire(spec);
         run.run(&|_, _| {}).unwrap();
         let stolen = port(&run).stolen();
         assert!(stolen > 0);
         assert_eq!(run.counters().cycles, alone.counters().cycles + stolen);
         assert_eq!(run.counters().units[0].1.busy, alone.counters().units[0].1.busy);
-        assert_eq!((run.counters().memory, run.counters().reorder), (alone.counters().memory, alone.counters().reorder));
+        assert_eq!(
+            (run.counters().memory, run.counters().reorder),
+            (alone.counters().memory, alone.counters().reorder)
+        );
         assert!(port(&run).written() >= 4 * stolen);
     }
 }
