@@ -21,10 +21,7 @@ const RESOURCES: [Resource; 9] = [
     Resource {
         name: "memory",
         replaced_by: "modules that give a word in every cycle, without conflicts",
-        remove: |m| MachineSpec {
-            cfb: Cfb { layout: m.cfb.layout, ..Cfb::default() },
-            ..m.clone()
-        },
+        remove: |m| MachineSpec { cfb: Cfb { layout: m.cfb.layout, ..Cfb::default() }, ..m.clone() },
     },
     Resource {
         name: "acquisition port",

@@ -6,8 +6,8 @@
 use crate::machine::RunCounters;
 use cube3_cone::ConeSpec;
 use cube3_host::{
-    ConeRegisters, FrameSetup, GradientMethod, GradientScale, LinearFactor, MachineSpec, RayEnds, RaySlots, Reuse,
-    Shading, ShadingUnit,
+    ConeRegisters, ControllerKind, FrameSetup, GradientMethod, GradientScale, LinearFactor, MachineSpec, MemoryModel,
+    RayEnds, RaySlots, Reuse, Shading, ShadingUnit,
 };
 use cube3_report::{InterfaceReport, LinesReport, MemoryBits, OperatorCounts, OperatorsReport, ResourcesReport};
 use cube3_scene::{MOST_CUTS, MOST_LIGHTS};
@@ -162,6 +162,11 @@ pub(crate) fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSet
     };
     let voxel_bits = u64::from(words.voxel_bits);
     kind(FRAME_BUFFER, format!("{buffers} × {voxels} voxels of {voxel_bits} bits"), buffers * voxels * voxel_bits);
+    if machine.cfb.controller == ControllerKind::FrFcfs {
+        let (lanes, held) = (machine.lanes as u64, MemoryModel::words_held(&machine.cfb) as u64);
+        let counted = format!("{lanes} modules × {held} words of {voxel_bits} bits");
+        kind("reorder buffers of the modules", counted, lanes * held * voxel_bits);
+    }
     // The largest frame sets the size of each buffer; registers and first planes are there twice where frames overlap.
     let twice = if machine.frames.overlap { 2 } else { 1 };
     let most = |of: &dyn Fn(&FrameSetup) -> u64| frames.iter().map(of).max().unwrap_or(0);

@@ -781,7 +781,9 @@ mod tests {
         assert_eq!(cfb("look_ahead = 65"), "m.toml: cfb.look_ahead = 65 is outside 1 to 64");
         assert_eq!(cfb("look_ahead = 0"), "m.toml: cfb.look_ahead = 0 is outside 1 to 64");
         assert_eq!(cfb("memory = \"sdram\"\nwindow = 9"), "m.toml: cfb.window = 9 is outside 1 to cfb.look_ahead");
-        assert!(cfb("memory = \"sdram\"\nburst_words = 3").starts_with("m.toml: cfb.burst_words = 3 is not a burst of "));
+        assert!(
+            cfb("memory = \"sdram\"\nburst_words = 3").starts_with("m.toml: cfb.burst_words = 3 is not a burst of ")
+        );
         assert!(cfb("memory = \"hbm\"\nburst_words = 4").starts_with("m.toml: cfb.burst_words = 4 is not a burst of "));
         assert!(
             cfb("memory = \"hbm\"\nburst_order = \"sequential\"")

@@ -395,7 +395,12 @@ impl MemoryModel {
     /// four times.
     pub fn refreshes_in_time(&self, clock_hz: f64) -> bool {
         let longest = |to| {
-            self.constraints.iter().filter(|c| c.to == to).map(|c| c.span.ceil(clock_hz, self.burst_ticks())).max().unwrap_or_default()
+            self.constraints
+                .iter()
+                .filter(|c| c.to == to)
+                .map(|c| c.span.ceil(clock_hz, self.burst_ticks()))
+                .max()
+                .unwrap_or_default()
         };
         let once: u64 = Command::ALL.map(longest).iter().sum();
         self.refresh_interval.is_none_or(|interval| interval.floor(clock_hz, 1) >= 4 * once)

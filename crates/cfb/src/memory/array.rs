@@ -96,9 +96,9 @@ impl Modules {
             asked: VecDeque::with_capacity(self.most),
             taken: 0,
             modules: vec![Module::new(&self.timing)],
-            choosers: self.window.map_or(Vec::new(), |window| {
-                vec![Chooser::new(&self.timing, window); self.placement.skew.lanes]
-            }),
+            choosers: self
+                .window
+                .map_or(Vec::new(), |window| vec![Chooser::new(&self.timing, window); self.placement.skew.lanes]),
             counters: vec![MemoryCounters::default(); frames],
         }
     }
