@@ -76,7 +76,7 @@ impl Chooser {
     ) {
         self.module.bus.forget(self.now);
         loop {
-            self.take_from_output(timing, counters, &mut served);
+            self.take_word_at_output(timing, counters, &mut served);
             let Some(oldest) = self.queue.front().copied() else { break };
             let Some((tick, command, chosen)) = self.next(timing) else { break };
             let counted = &mut counters[oldest.frame as usize];
@@ -95,7 +95,7 @@ impl Chooser {
     }
 
     /// The words of the window that need no read: their burst is at the output.
-    fn take_from_output(
+    fn take_word_at_output(
         &mut self,
         timing: &Timing,
         counters: &mut [MemoryCounters],
@@ -104,7 +104,7 @@ impl Chooser {
         let mut i = 0;
         while i < self.queue.len().min(self.window) {
             let Word { asked, step, frame, refresh_until, .. } = self.queue[i];
-            match self.module.from_output(timing, self.queue[i].place(), asked) {
+            match self.module.word_at_output(timing, self.queue[i].place(), asked) {
                 Some(there) => {
                     counters[frame as usize].words += 1;
                     self.queue.remove(i);

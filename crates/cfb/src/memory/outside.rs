@@ -69,7 +69,7 @@ fn stream_by_tick(timing: &Timing, addresses: impl Iterator<Item = u64>) -> i64 
         if tick >= module.refresh_due {
             module.refresh(timing, tick, &mut counters);
         }
-        while let Some(served) = queue.front().and_then(|&at| module.from_output(timing, at, tick)) {
+        while let Some(served) = queue.front().and_then(|&at| module.word_at_output(timing, at, tick)) {
             leaving.push_back(served.ready);
             queue.pop_front();
         }
