@@ -8,8 +8,8 @@ use crate::overlap::{Overlap, neighbour_slots, sample_slots, voxel_slots};
 use cube3_cfb::memory::{edge_words, reorder_words};
 use cube3_cone::ConeSpec;
 use cube3_host::{
-    ConeRegisters, FrameSetup, GradientMethod, GradientScale, Layout, LinearFactor, MachineSpec, MemoryModel, RayEnds,
-    RaySlots, Reuse, Sections, Shading, ShadingUnit,
+    ConeRegisters, ControllerKind, FrameSetup, GradientMethod, GradientScale, Layout, LinearFactor, MachineSpec,
+    MemoryModel, RayEnds, RaySlots, Reuse, Sections, Shading, ShadingUnit,
 };
 use cube3_report::{InterfaceReport, LinesReport, MemoryBits, OperatorCounts, OperatorsReport, ResourcesReport};
 use cube3_scene::{MOST_CUTS, MOST_LIGHTS};
@@ -168,6 +168,11 @@ pub(crate) fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSet
         && let Ok(held) = reorder_words(machine, frames)
     {
         kind("reorder buffer", format!("{held} voxels of {voxel_bits} bits"), held * voxel_bits);
+    }
+    if machine.cfb.controller == ControllerKind::FrFcfs {
+        let (lanes, held) = (machine.lanes as u64, MemoryModel::words_held(&machine.cfb) as u64);
+        let counted = format!("{lanes} modules × {held} words of {voxel_bits} bits");
+        kind("reorder buffers of the modules", counted, lanes * held * voxel_bits);
     }
     // The largest frame sets the size of each buffer; registers and first planes are there twice where frames overlap, and first planes
     // where a frame has sections, which overlap likewise.

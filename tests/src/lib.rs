@@ -8,8 +8,9 @@ pub mod rtl_pipeline;
 pub mod waves;
 
 use cube3_host::{
-    Abc, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, GradientMethod, HostLink, Layout,
-    MachineSpec, MemoryModel, RayEnds, RaySlots, Rays, Reuse, ShadingUnit, TemplateRule, Trilin, VolumeInfo,
+    Abc, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, ControllerKind, Dsb, GradientMethod,
+    HostLink, Layout, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryModel, RayEnds, RaySlots, Rays, Reuse,
+    ShadingUnit, TemplateRule, Trilin, VolumeInfo,
 };
 use cube3_scene::{
     ColourPoint, Crop, Cut, DepthCue, Image, Layer, Light, Material, Mode, Perspective, Scene, Threshold, Transfer,
@@ -130,11 +131,21 @@ struct Fabric {
 /// Memory clock, type and layout of a frame buffer beside a pipeline of 50 MHz; the ideal one as often as all others.
 fn memories() -> impl Strategy<Value = (Option<f64>, Cfb)> {
     let kinds = proptest::sample::select(MemoryModel::TABLE.map(|model| model.kind).to_vec());
+    let asking =
+        (proptest::option::of(1_usize..12), any::<[bool; 2]>(), prop_oneof![4 => Just(false), 1 => Just(true)]);
     let layouts = proptest::sample::select(Layout::ALL.to_vec());
-    let slow = (kinds, proptest::option::of(0.4..2.0_f64), layouts).prop_map(|(memory, speed, layout)| {
-        let clock = MemoryModel::of(memory).clock_hz.unwrap_or(50e6);
-        (speed.map(|speed| speed * clock), Cfb { memory, layout, ..Cfb::default() })
-    });
+    let slow = (kinds, proptest::option::of(0.4..2.0_f64), layouts, asking).prop_map(
+        |(memory, speed, layout, (look_ahead, [bursts, column], chooses))| {
+            let clock = MemoryModel::of(memory).clock_hz.unwrap_or(50e6);
+            let look_ahead_unit = if bursts { LookAheadUnit::Bursts } else { LookAheadUnit::Words };
+            let look_ahead_freed = if column { LookAheadFreed::Column } else { LookAheadFreed::Word };
+            let chooses = chooses && layout != Layout::MiniBlocks;
+            let controller = if chooses { ControllerKind::FrFcfs } else { ControllerKind::InOrder };
+            let cfb =
+                Cfb { memory, layout, look_ahead, look_ahead_unit, look_ahead_freed, controller, ..Cfb::default() };
+            (speed.map(|speed| speed * clock), cfb)
+        },
+    );
     prop_oneof![Just((None, Cfb::default())), slow]
 }
 

@@ -240,7 +240,7 @@ fn modules_of_mini_blocks_lose_the_stolen_cycles_and_no_more() {
         alone.run(&|_, _| {}).unwrap();
         let mut run = Machine::timing(&machine, vec![setup; 2]).unwrap();
         let spec = PortSpec::new(&machine, [n; 3], None);
-        assert_eq!((spec.group, spec.words_per_cycle()), (4, words_per_cycle));
+        assert!(spec.group == 4 && (spec.words_per_cycle() - words_per_cycle).abs() < 1e-9);
         run.acquire(spec);
         run.run(&|_, _| {}).unwrap();
         let stolen = port(&run).stolen();

@@ -1,5 +1,5 @@
 //! Frame rates that each type of memory module allows, and how often a word needs a new row, by the axes of beam and depth:
-//! `cargo run --release -p cube3-cfb --example memory_rates -- SIZE CLOCK_MHZ`.
+//! `cargo run --release -p cube3-cfb --example memory_rates -- SIZE CLOCK_MHZ [KEY = VALUE]...`, with keys of `cfb` of a machine file.
 
 use cube3_cfb::memory::{MemoryCounters, Supply};
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, NoVoxels};
@@ -37,16 +37,18 @@ fn frame(machine: &MachineSpec, direction: [f64; 3]) -> Result<(u64, f64), Box<d
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let numbers: Vec<f64> = std::env::args().skip(1).map(|word| word.parse()).collect::<Result<_, _>>()?;
-    let &[size, megahertz] = numbers.as_slice() else {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let [size, megahertz, keys @ ..] = words.as_slice() else {
         return Err("give the voxels a side and the pipeline clock in MHz".into());
     };
+    let (size, megahertz): (f64, f64) = (size.parse()?, megahertz.parse()?);
     println!("| memory | layout | {} |", VIEWS.map(|(axes, _)| axes).join(" | "));
     for model in MemoryModel::TABLE {
         for layout in [Layout::Rows, Layout::Blocks] {
-            let cfb = Cfb { memory: model.kind, layout, ..Cfb::default() };
-            let machine =
-                MachineSpec { lanes: size as usize, clock_hz: 1e6 * megahertz, cfb, ..MachineSpec::default() };
+            let file = format!("[cfb]\nmemory = \"{}\"\n{}", model.kind.key(), keys.join("\n"));
+            let Ok(machine) = MachineSpec::from_toml(&file, "the command line") else { continue };
+            let cfb = Cfb { layout, ..machine.cfb };
+            let machine = MachineSpec { lanes: size as usize, clock_hz: 1e6 * megahertz, cfb, ..machine };
             if layout == Layout::Blocks && matches!(model.kind, MemoryType::Ideal | MemoryType::Vram) {
                 continue;
             }

@@ -19,6 +19,7 @@ mod module;
 mod oracle;
 #[cfg(test)]
 mod outside;
+mod places;
 mod rows;
 mod supply;
 #[cfg(test)]

@@ -3,7 +3,10 @@
 use cube3_cfb::memory::{MemoryCounters, Supply};
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, NoVoxels};
 use cube3_channel::{Account, Channel, Reason};
-use cube3_host::{Cfb, FrameSetup, Layout, MachineSpec, MemoryType, VolumeInfo, frame_setup};
+use cube3_host::{
+    BankHash, Cfb, ControllerKind, FrameSetup, Layout, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryType,
+    VolumeInfo, frame_setup,
+};
 use cube3_scene::{Scene, View};
 use proptest::prelude::*;
 
@@ -119,6 +122,49 @@ fn conflicts_of_the_skew_are_counted_beside_the_waits_for_the_memory() {
     assert_eq!((counters.words, none), (16 * 16 * 16, MemoryCounters::default()));
 }
 
+/// SDRAM behind one lane at the pipeline's clock, a volume whose words are one row of one bank.
+fn in_sequence(cfb: Cfb) -> u64 {
+    let mut machine = machine(1, 133e6, MemoryType::Sdram, Layout::Rows);
+    machine.cfb = Cfb { memory: MemoryType::Sdram, ..cfb };
+    machine.check("test").unwrap();
+    run(&machine, setup_of(&machine, [512, 1, 1], [0.0, 0.0, 1.0]), 1).0
+}
+
+/// The words lie one behind another. Opening the row takes 3 ticks, a read 3, and a word is taken when its tick is over.
+#[test]
+fn a_look_ahead_counts_from_the_word_that_is_waited_for() {
+    let words = |look_ahead| Cfb { look_ahead: Some(look_ahead), ..Cfb::default() };
+    // One word: the next burst is asked for when the last word of this one has been taken, and comes three ticks later.
+    assert_eq!(in_sequence(words(1)), 3 + 512 / 4 * (3 + 4));
+    // With k more, so many ticks earlier; with four the bursts join.
+    assert_eq!(in_sequence(words(2)), 3 + 512 / 4 * (2 + 4) + 1);
+    assert_eq!(in_sequence(words(4)), 3 + 512 / 4 * 4 + 3);
+    assert_eq!(in_sequence(words(64)), 3 + 512 / 4 * 4 + 3);
+    // One burst: the next is asked for when the first word of this one has been taken.
+    let bursts = Cfb { look_ahead_unit: LookAheadUnit::Bursts, ..words(1) };
+    assert_eq!(in_sequence(bursts), 3 + 512 / 4 * 4 + 3);
+    // One word that is free at its read: two words wait, as with a look-ahead of two.
+    let column = Cfb { look_ahead_freed: LookAheadFreed::Column, ..words(1) };
+    assert_eq!(in_sequence(column), in_sequence(words(2)));
+}
+
+/// Ways to ask ahead.
+fn asking() -> impl Strategy<Value = Cfb> {
+    let hash = proptest::sample::select(BankHash::TABLE.map(|row| row.hash).to_vec());
+    (hash, 1_usize..12, any::<[bool; 3]>(), 1_usize..12, proptest::option::of(0_u32..4)).prop_map(
+        |(bank_hash, look_ahead, [bursts, column, chooses], window, length)| Cfb {
+            bank_hash,
+            look_ahead: Some(look_ahead),
+            look_ahead_unit: if bursts { LookAheadUnit::Bursts } else { LookAheadUnit::Words },
+            look_ahead_freed: if column { LookAheadFreed::Column } else { LookAheadFreed::Word },
+            controller: if chooses { ControllerKind::FrFcfs } else { ControllerKind::InOrder },
+            window: Some(window.min(look_ahead)),
+            burst_words: length.map(|length| 1 << length),
+            ..Cfb::default()
+        },
+    )
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
@@ -126,15 +172,17 @@ proptest! {
     fn no_memory_is_faster_than_the_ideal_one_nor_than_its_clock(
         memory in proptest::sample::select(vec![MemoryType::Ideal, MemoryType::Vram, MemoryType::FastPage, MemoryType::Sdram, MemoryType::Hbm]),
         lanes in 1_usize..10, n in 1_usize..12, direction in prop::array::uniform3(-1.0..1.0_f64), skew in prop::array::uniform3(-2_i64..3),
-        clock in 1e6..2e8_f64, speed in 0.3..2.0_f64, blocks: bool, frames in 1_usize..3,
+        clock in 1e6..2e8_f64, speed in 0.3..2.0_f64, blocks: bool, frames in 1_usize..3, asking in asking(),
     ) {
         prop_assume!(direction.iter().any(|x| x.abs() > 0.01));
         let layout = if blocks { Layout::Blocks } else { Layout::Rows };
         let mut slow = machine(lanes, clock, memory, layout);
-        slow.cfb.skew = skew;
+        let burst_words = asking.burst_words.filter(|_| memory == MemoryType::Sdram);
+        slow.cfb = Cfb { skew, memory, layout, burst_words, ..asking };
         slow.cfb.memory_clock_hz = Some(slow.memory_clock_hz() * speed);
         let mut ideal = slow.clone();
         ideal.cfb = Cfb { skew, ..Cfb::default() };
+        slow.check("test").unwrap();
         let setup = setup(&slow, n, direction);
         let (cycles, account, counters) = run(&slow, setup.clone(), frames);
         let (least, free, _) = run(&ideal, setup, frames);

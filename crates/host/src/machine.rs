@@ -252,6 +252,19 @@ pub enum MemoryType {
     Hbm,
 }
 
+impl MemoryType {
+    /// The name in machine files.
+    pub fn key(self) -> &'static str {
+        match self {
+            MemoryType::Ideal => "ideal",
+            MemoryType::Vram => "vram",
+            MemoryType::FastPage => "fast-page",
+            MemoryType::Sdram => "sdram",
+            MemoryType::Hbm => "hbm",
+        }
+    }
+}
+
 /// Where a voxel lies in its memory module.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -189,10 +189,10 @@ impl Example {
                 vec![
                     (
                         "initiation interval: a beam",
-                        "⌈n_u / lanes⌉, and what modules need that serve several voxels",
+                        "⌈n_u / lanes⌉, and what modules need that serve several voxels; behind a reorder buffer nothing more",
                         spec.cycles(Some(0)),
                     ),
-                    ("of that, conflicts", "0 with the paper's skew", spec.conflict_cycles),
+                    ("of that, conflicts", "0 with the paper's skew, and with mini-blocks", spec.conflict_cycles),
                     ("a depth at which a padded plane is outside", "1", spec.cycles(None)),
                 ]
             }

@@ -9,9 +9,10 @@
 //! mini-blocks one behind another, as far ahead of the first that is not there as the look-ahead lets it. A step of a beam goes on when the
 //! mini-blocks of its voxels are there whole, and a row leaves the buffer with the last beam that uses it.
 
+use super::places::{Mini, Round};
 use super::rows::{At, ReorderNeed, along, number, of_voxels, pair, words_of};
 use super::{MemoryCounters, Module, Place, Served, Timing};
-use crate::golden::{Placement, Skew, gcd};
+use crate::golden::{Placement, Skew};
 use crate::unit::{CfbSpec, Scan};
 use cube3_channel::{Activity, ClockDomain, Reason};
 use cube3_host::{FrameSetup, Geometry, Layout, LookAheadFreed, LookAheadUnit, MachineSpec};
@@ -32,55 +33,6 @@ pub struct ReorderError {
     pub least: u64,
     /// Words that hold nothing up.
     pub steady: u64,
-}
-
-/// What a coordinate adds to the place of a mini-block.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-struct Mini {
-    /// To the word of the module.
-    address: u64,
-    /// To the word of the bank.
-    word: u64,
-    /// To the bank.
-    block: u64,
-    /// To the module.
-    module: u64,
-}
-
-impl Mini {
-    fn plus(self, other: Mini) -> Mini {
-        Mini {
-            address: self.address + other.address,
-            word: self.word + other.word,
-            block: self.block + other.block,
-            module: self.module + other.module,
-        }
-    }
-}
-
-/// How a row of mini-blocks goes round the modules: `stride` modules further each, back at the first after `period`.
-#[derive(Clone, Copy, Debug)]
-struct Round {
-    stride: usize,
-    period: usize,
-    /// Of stride / gcd modulo the period.
-    inverse: usize,
-}
-
-impl Round {
-    fn new(stride: i64, lanes: usize) -> Round {
-        let stride = stride.rem_euclid(lanes as i64) as usize;
-        let shared = gcd(stride as i64, lanes);
-        let period = lanes / shared;
-        let inverse = (0..period).find(|i| i * (stride / shared) % period == 1 % period).unwrap_or(0);
-        Round { stride, period, inverse }
-    }
-
-    /// The first mini-block of a row that is in module `module`, where the row's first is in module `start`; all others are `period` apart.
-    fn first(&self, lanes: usize, start: usize, module: usize) -> Option<usize> {
-        let (distance, shared) = ((module + lanes - start) % lanes, lanes / self.period);
-        distance.is_multiple_of(shared).then(|| distance / shared * self.inverse % self.period)
-    }
 }
 
 /// Modules that read mini-blocks: timing, addresses and the size of the reorder buffer.
@@ -207,18 +159,7 @@ impl BlockModules {
         let (lanes, banks) = (machine.lanes, timing.banks());
         let skew = Skew { coefficients: machine.cfb.skew, lanes };
         let placement = Placement { skew, layout: Layout::MiniBlocks, dims };
-        let mini = |axis: usize, i: usize| {
-            let voxel = Placement::MINI * i;
-            let mut xyz = [0; 3];
-            xyz[axis] = voxel;
-            Mini {
-                address: placement.term(axis, voxel) as u64,
-                word: placement.bank_term(axis, voxel, banks) as u64,
-                block: placement.block(axis, voxel) as u64,
-                module: placement.module(xyz) as u64,
-            }
-        };
-        let minis = [0, 1, 2].map(|axis| (0..dims[axis].div_ceil(Placement::MINI)).map(|i| mini(axis, i)).collect());
+        let minis = [0, 1, 2].map(|axis| Mini::all(&placement, axis, banks));
         let rounds = skew.coefficients.map(|a| [a, -a].map(|stride| Round::new(stride, lanes)));
         let clock = ClockDomain::from_hertz(machine.memory_clock_hz(), machine.clock_hz);
         let (unit, freed) = (machine.cfb.look_ahead_unit, machine.cfb.look_ahead_freed);

@@ -5,17 +5,14 @@
 //! ```
 //! In each tick a bus takes, of what the constraints allow in it: the oldest read of an open row, else the oldest activate or precharge that
 //! a word needs. The oldest word of a bank decides which row is opened there, so that no row is closed while an older word needs it. A read
-//! serves every word of the window in its burst. A word that has been passed over by [`MOST_PASSED`] reads is read next, before all others.
-//! When a refresh has fallen due, nothing else is issued before it. Commands are decided tick by tick, none is booked ahead.
+//! serves every word of the window in its burst. Words leave in order, so that a word is passed over by those at most that can be asked for
+//! before it leaves. When a refresh has fallen due, nothing else is issued before it. Commands are decided tick by tick, none is booked ahead.
 
 use super::module::{CLOSED, Column, NEVER};
 use super::{MemoryCounters, Module, Place, Served, Timing};
 use cube3_host::Command;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
-
-/// Reads that a word lets pass.
-const MOST_PASSED: u32 = 64;
 
 /// A module and the words that it has been asked for.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -41,7 +38,6 @@ struct Word {
     /// What was found in its bank, once a command has been issued for it.
     found: Option<Found>,
     refresh_until: i64,
-    passed: u32,
 }
 
 /// What a word finds in its bank.
@@ -65,7 +61,7 @@ impl Chooser {
 
     /// Asks for a word at a tick that has not been decided.
     pub fn ask(&mut self, Place { word, bank, row }: Place, asked: i64, step: u64, frame: u32) {
-        let word = Word { word, bank, row, asked, step, frame, found: None, refresh_until: NEVER, passed: 0 };
+        let word = Word { word, bank, row, asked, step, frame, found: None, refresh_until: NEVER };
         self.queue.push_back(word);
     }
 
@@ -80,7 +76,7 @@ impl Chooser {
     ) {
         self.module.bus.forget(self.now);
         loop {
-            self.take_from_output(timing, counters, &mut served);
+            self.take_word_at_output(timing, counters, &mut served);
             let Some(oldest) = self.queue.front().copied() else { break };
             let Some((tick, command, chosen)) = self.next(timing) else { break };
             let counted = &mut counters[oldest.frame as usize];
@@ -99,7 +95,7 @@ impl Chooser {
     }
 
     /// The words of the window that need no read: their burst is at the output.
-    fn take_from_output(
+    fn take_word_at_output(
         &mut self,
         timing: &Timing,
         counters: &mut [MemoryCounters],
@@ -108,7 +104,7 @@ impl Chooser {
         let mut i = 0;
         while i < self.queue.len().min(self.window) {
             let Word { asked, step, frame, refresh_until, .. } = self.queue[i];
-            match self.module.from_output(timing, self.queue[i].place(), asked) {
+            match self.module.word_at_output(timing, self.queue[i].place(), asked) {
                 Some(there) => {
                     counters[frame as usize].words += 1;
                     self.queue.remove(i);
@@ -121,12 +117,10 @@ impl Chooser {
 
     /// The next command, with its tick and the place of its word in the queue.
     fn next(&self, timing: &Timing) -> Option<(i64, Command, usize)> {
-        let forced = self.queue.front().is_some_and(|word| word.passed >= MOST_PASSED);
-        let window = if forced { 1 } else { self.window };
         let mut claimed = 0_u32;
         // The earliest tick; then reads before rows, then the oldest.
         let mut best: Option<((i64, bool, usize), Command)> = None;
-        for (i, word) in self.queue.iter().take(window).enumerate() {
+        for (i, word) in self.queue.iter().take(self.window).enumerate() {
             let open = self.module.open_row(word.bank);
             let command = if timing.rows.is_none() || open == word.row {
                 Command::Read
@@ -172,7 +166,6 @@ impl Chooser {
                     Some(Found::OtherRow) => &mut counted.row_conflicts,
                 } += 1;
                 self.queue.remove(chosen);
-                self.queue.iter_mut().take(chosen).for_each(|older| older.passed += 1);
                 served(step, there);
             }
             Command::Activate => {

@@ -183,7 +183,7 @@ impl Module {
     #[inline]
     pub fn read(&mut self, timing: &Timing, at: Place, asked: i64, counters: &mut MemoryCounters) -> Served {
         counters.words += 1;
-        if let Some(served) = self.from_output(timing, at, asked) {
+        if let Some(served) = self.word_at_output(timing, at, asked) {
             return served;
         }
         counters.reads += 1;
@@ -193,7 +193,7 @@ impl Module {
 
     /// A word of the burst at the output.
     #[inline(always)]
-    pub(super) fn from_output(&self, timing: &Timing, at: Place, asked: i64) -> Option<Served> {
+    pub(super) fn word_at_output(&self, timing: &Timing, at: Place, asked: i64) -> Option<Served> {
         let Burst { start, data, row_until } = self.output;
         let ready = asked.max(data + timing.behind(at.word, start));
         self.holds(timing, at).then_some(Served { ready, issued: NEVER, row_until, refresh_until: NEVER })

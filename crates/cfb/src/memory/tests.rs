@@ -230,7 +230,7 @@ pub(super) fn random(words: usize) -> impl Iterator<Item = u64> {
 }
 
 /// Addresses of rows whose banks go round from 0 to `banks − 1`, no row twice.
-fn round_robin(timing: &Timing, banks: usize, words: usize) -> Vec<u64> {
+pub(super) fn round_robin(timing: &Timing, banks: usize, words: usize) -> Vec<u64> {
     let row_words = timing.rows.unwrap().words as u64;
     let mut next = vec![0; banks];
     (0..words)
