@@ -45,24 +45,29 @@ impl Overlap {
         let written: u64 = (0..given.count() - 1).map(|section| narrow(given.slots(section).len())).sum();
         let with_rays = (0..given.count()).map(|section| given.slots(section)).filter(|slots| !slots.is_empty());
         let read: u64 = with_rays.map(|slots| narrow(slots.start)).sum();
-        let border = BORDER as u64;
+        let firsts = first * first_rays(given.slots(given.count() - 1).start);
         Overlap {
             rays,
             rays_moved,
-            samples: depths * planes * (1 + first) * border,
-            samples_moved: depths * planes * (written + read + 2 * first * border),
+            samples: depths * planes * (BORDER as u64 + firsts),
+            samples_moved: depths * planes * (written + read + 2 * firsts),
         }
     }
 }
 
+/// Of the first rays of a plane those that are kept for its last section, which begins with this slot, beside the ones before it.
+fn first_rays(start: usize) -> u64 {
+    start.saturating_sub(BORDER).min(BORDER) as u64
+}
+
 /// Ray slots that a plane of voxels has room for on the chip.
 pub fn voxel_slots(machine: &MachineSpec, setup: &FrameSetup) -> u64 {
-    widest(Sections::of(machine, &setup.geometry), |_, slots| slots)
+    widest(Sections::of(machine, &setup.geometry), |_, slots| slots as u64)
 }
 
 /// Ray slots that TRILIN finishes of a plane in one section at most.
 pub fn sample_slots(machine: &MachineSpec, setup: &FrameSetup) -> u64 {
-    widest(Sections::of(machine, &setup.geometry).behind(1), |_, slots| slots)
+    widest(Sections::of(machine, &setup.geometry).behind(1), |_, slots| slots as u64)
 }
 
 /// Ray slots that a plane of samples has room for on the chip: those of a section, and what comes from the overlap buffers.
@@ -71,12 +76,11 @@ pub fn neighbour_slots(machine: &MachineSpec, setup: &FrameSetup) -> u64 {
     let closes = setup.geometry.closes()[0];
     widest(sections, |section, slots| {
         let start = sections.slots(section).start;
-        let before = start.min(BORDER);
-        let first = if closes && section + 1 == sections.count() { (start - before).min(BORDER) } else { 0 };
-        slots + before + first
+        let last = closes && section + 1 == sections.count();
+        (slots + start.min(BORDER)) as u64 + if last { first_rays(start) } else { 0 }
     })
 }
 
-fn widest(sections: Sections, width: impl Fn(usize, usize) -> usize) -> u64 {
-    (0..sections.count()).map(|section| width(section, sections.slots(section).len())).max().unwrap_or(0) as u64
+fn widest(sections: Sections, width: impl Fn(usize, usize) -> u64) -> u64 {
+    (0..sections.count()).map(|section| width(section, sections.slots(section).len())).max().unwrap_or(0)
 }

@@ -12,6 +12,7 @@ use cube3_channel::{
 };
 use cube3_host::{FrameSetup, Geometry, MachineSpec, Sections};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// What the bus does with a beam: turns or gathers its voxels, or nothing where only time counts.
 pub trait Align {
@@ -20,13 +21,12 @@ pub trait Align {
     /// What beams carry after.
     type Output: Payload;
 
-    /// Aligns the beam of row `v` of a plane at a depth.
+    /// Aligns the beam of a plane, its row `v` and a depth, `at`: in a parallel view voxels `columns` of it.
     fn align(
         &self,
         setup: &FrameSetup,
-        plane: usize,
-        v: usize,
-        depth: usize,
+        at: [usize; 3],
+        columns: &[Range<usize>; 2],
         input: &Self::Input,
         output: &mut Self::Output,
     );
@@ -41,7 +41,7 @@ impl Align for NoBus {
     type Output = ();
 
     #[inline(always)]
-    fn align(&self, _: &FrameSetup, _: usize, _: usize, _: usize, _: &(), _: &mut ()) {}
+    fn align(&self, _: &FrameSetup, _: [usize; 3], _: &[Range<usize>; 2], _: &(), _: &mut ()) {}
 }
 
 impl Align for Rotator {
@@ -51,14 +51,13 @@ impl Align for Rotator {
     fn align(
         &self,
         setup: &FrameSetup,
-        plane: usize,
-        v: usize,
-        depth: usize,
+        [plane, v, depth]: [usize; 3],
+        columns: &[Range<usize>; 2],
         input: &VoxelBeam,
         output: &mut VoxelBeam,
     ) {
         match &setup.geometry.perspective {
-            None => Rotator::align(self, &setup.geometry, v, depth, &input.0, &mut output.0),
+            None => self.align_columns(&setup.geometry, v, depth, columns, &input.0, &mut output.0),
             Some(_) => self.gather(&setup.geometry, plane, depth, &input.0, &mut output.0),
         }
     }
@@ -248,8 +247,14 @@ impl<B: Align> BusUnit<B> {
         output.row = beam.row;
         output.voxels = beam.voxels;
         if let Some(v) = beam.row {
-            let [plane, depth] = [beam.plane, beam.depth].map(|i| i as usize);
-            self.wires.align(&frames[frame], plane, v as usize, depth, &beam.data, &mut output.data);
+            let at = [beam.plane, v, beam.depth].map(|i| i as usize);
+            let geometry = &frames[frame].geometry;
+            let columns = if spec.sections.is_whole() {
+                [0..geometry.size[0], 0..0]
+            } else {
+                geometry.columns(spec.sections.slots(beam.section as usize), at[2])
+            };
+            self.wires.align(&frames[frame], at, &columns, &beam.data, &mut output.data);
             self.state.words += spec.words;
         }
         let empty = beam.row.is_none();

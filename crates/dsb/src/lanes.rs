@@ -5,6 +5,7 @@ use cube3_cfb::golden::output_lane;
 use cube3_channel::{Archive, ArchiveError, Archived};
 use cube3_host::{Geometry, Sections};
 use cube3_word::turn;
+use std::ops::Range;
 
 /// Turns beams from the frame buffer's lane order into the skewed buffers'.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +17,19 @@ pub struct Rotator {
 impl Rotator {
     /// Aligns a beam of row `v` at a depth. Slots without a voxel are 0.
     pub fn align(&self, geometry: &Geometry, v: usize, depth: usize, beam: &[u16], aligned: &mut Vec<u16>) {
+        self.align_columns(geometry, v, depth, &[0..geometry.size[0], 0..0], beam, aligned);
+    }
+
+    /// The same for some voxels of the beam; slots of others are 0 or aligned as well.
+    pub fn align_columns(
+        &self,
+        geometry: &Geometry,
+        v: usize,
+        depth: usize,
+        columns: &[Range<usize>; 2],
+        beam: &[u16],
+        aligned: &mut Vec<u16>,
+    ) {
         let [slots, _] = geometry.slot_counts();
         let n = self.lanes;
         if slots == n && geometry.size[0] == n {
@@ -30,7 +44,7 @@ impl Rotator {
         }
         aligned.clear();
         aligned.resize(slots.div_ceil(self.lanes) * self.lanes, 0);
-        for x in 0..geometry.size[0] {
+        for x in columns.iter().cloned().flatten() {
             let from = x / self.lanes * self.lanes + output_lane(self.lanes, [x, v, depth]);
             aligned[beam_lane(self.lanes, slot(geometry, x, depth), depth)] = beam[from];
         }
