@@ -16,7 +16,7 @@ use std::io::Read;
 use std::path::Path;
 
 const MAGIC: &[u8] = b"cube3 checkpoint\n";
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
 const DIGEST_BYTES: usize = 32;
 /// Most bytes that are read.
 const LIMIT_BYTES: u64 = 8 << 30;

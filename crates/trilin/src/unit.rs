@@ -475,14 +475,14 @@ impl<I: Interpolate> TrilinUnit<I> {
         let mut activity = Activity::Starved;
         if let Some([frame, plane]) = self.state.closing {
             let Some(output) = samples.push_slot() else {
-                return Activity::Blocked;
+                return samples.refusal();
             };
             self.state.closing = None;
             self.give(frames, [frame, plane, self.frames[frame as usize].0.slots - 1], output);
             activity = Activity::Busy;
         }
         let Some(pair) = rays.front() else {
-            return activity;
+            return if activity == Activity::Starved { rays.lack() } else { activity };
         };
         let (frame, plane, slot) = (pair.frame, pair.plane, pair.slot);
         let (spec, arithmetic) = &mut self.frames[frame as usize];
@@ -491,7 +491,7 @@ impl<I: Interpolate> TrilinUnit<I> {
             return Activity::Busy;
         }
         if slot > 0 && !samples.can_push() {
-            return Activity::Blocked;
+            return samples.refusal();
         }
         let last = slot + 1 == spec.slots;
         if let Some(pair) = rays.pop_slot() {
