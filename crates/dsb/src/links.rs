@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 pub struct Links {
     /// Words a cycle over a link in a direction, where they are limited; at its start.
     rate: Option<ClockDomain>,
-    /// With so many words that wait a link has no room for a token.
+    /// With so many words that the cycle does not carry a link has no room for a token.
     capacity: u64,
     state: State,
     queues: Vec<[Queue; 2]>,
@@ -57,7 +57,7 @@ pub struct LinkReading {
     pub words: u64,
     /// Words that still wait.
     pub waiting: u64,
-    /// Most words that waited.
+    /// Most words that were there at the end of a cycle.
     pub peak: u64,
 }
 
@@ -86,11 +86,11 @@ impl Links {
         })
     }
 
-    /// Whether each link that a token's words cross (link b forwards and backwards at place b) has room for it: fewer words wait there than
-    /// its capacity. What the token has beyond that stays in the registers of the unit that sends it.
+    /// Whether each link that a token's words cross (link b forwards and backwards at place b) has room for it: fewer words are there than this
+    /// cycle carries and its capacity. What the token has beyond that stays in the registers of the unit that sends it.
     #[inline]
     pub fn has_room(&self, words: &[[u64; 2]]) -> bool {
-        let full = self.state.now.saturating_add(self.capacity);
+        let full = self.state.now.saturating_add(self.state.clock.peek()).saturating_add(self.capacity);
         if self.rate.is_none() || self.state.latest < full {
             return true;
         }
@@ -185,10 +185,12 @@ mod tests {
         let waiting: Vec<u64> = links.readings().iter().map(LinkReading::carried).collect();
         assert_eq!(waiting, [2, 0, 1, 2]);
         assert_eq!(links.put(&[[4, 0], [0, 0]]), 2, "a word waits already: five in three cycles");
-        assert!(!links.has_room(&[[1, 0], [0, 0]]), "five words fill it");
+        assert!(links.has_room(&[[1, 0], [0, 0]]), "three of the five will be left");
+        assert_eq!(links.put(&[[2, 0], [0, 0]]), 3);
+        assert!(!links.has_room(&[[1, 0], [0, 0]]), "five will be left, and fill it");
         assert!(links.has_room(&[[0, 1], [1, 1]]), "other links are not full");
         links.carry();
-        assert!(links.has_room(&[[1, 0], [0, 0]]), "three are left");
+        assert!(links.has_room(&[[1, 0], [0, 0]]), "five are left, and two of them go in this cycle");
     }
 
     #[test]
@@ -202,6 +204,11 @@ mod tests {
         let readings = links.readings();
         assert_eq!(readings[0], LinkReading { link: 0, backwards: false, words: 28, waiting: 0, peak: 0 });
         assert_eq!(readings[3], LinkReading { link: 1, backwards: true, words: 4 << 40, waiting: 0, peak: 0 });
+    }
+
+    /// The clock of links: it is compared with the model's by when words are over.
+    fn clock_of(links: &Links) -> ClockDomain {
+        links.state.clock
     }
 
     /// A word of a token in a queue.
@@ -251,7 +258,8 @@ mod tests {
                 }
                 let token = told.len();
                 let words: Vec<[u64; 2]> = words.chunks(2).take(boards).map(|pair| [pair[0], pair[1]]).collect();
-                let room = words.iter().flatten().zip(&queues).all(|(words, queue)| *words == 0 || queue.len() < capacity);
+                let left = capacity + clock_of(&links).peek() as usize;
+                let room = words.iter().flatten().zip(&queues).all(|(words, queue)| *words == 0 || queue.len() < left);
                 prop_assert_eq!(links.has_room(&words), room);
                 for (i, &count) in words.iter().flatten().enumerate() {
                     queues[i].extend((0..count).map(|_| token));

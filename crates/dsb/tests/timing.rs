@@ -416,8 +416,8 @@ fn a_bus_waits_for_room_on_a_full_link() {
     let boards = Boards { count: 4, link_words_per_cycle: Some(1.0), link_capacity_words: 2, ..Boards::default() };
     let n = 16;
     let (taken, bus, links) = over_the_links(&MachineSpec { lanes: n, boards, ..MachineSpec::default() }, n);
-    // A link of two words takes a token when one word is left, and the next word is carried while that one is put: it never rests, and beams
-    // are taken as before.
+    // A link of two words takes a token when two are there, of which one goes in the same cycle: it never rests, and beams are taken as
+    // before.
     assert_eq!(taken[n / 2 - 1], 2 + 28);
     let account = bus.account();
     assert!(account.waiting[Reason::Link as usize] > 20, "{account:?}");

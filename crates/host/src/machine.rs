@@ -101,7 +101,7 @@ pub struct Boards {
     /// Words that a link carries in each direction in a pipeline cycle, above 0; any number where it is not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub link_words_per_cycle: Option<f64>,
-    /// Words that wait at a link, in each direction, with which it has no room for another token's: 1 to 10⁹. The default is four of
+    /// Words at a link, in each direction, that a cycle does not carry, with which it has no room for another token's: 1 to 10⁹. The default is four of
     /// the beams of 512 lanes that send the most, 256 words, so that a link need not rest between beams; ours.
     pub link_capacity_words: usize,
     /// Pipeline cycles from a board to its neighbour.
