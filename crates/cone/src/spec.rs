@@ -161,6 +161,13 @@ impl ConeSpec {
         for (board, link) in links.iter_mut().enumerate() {
             // Leaves of the circle before the link; the circle's end is beside its beginning.
             let before = (ring.first_lane(board) + lanes - start) % lanes;
+            if lanes.is_power_of_two() {
+                // Every child is there: a pair for each bit that is 0.
+                let half = lanes / 2;
+                link[0] += u64::from(before == 0 || before > half);
+                link[1] += if before > 0 { u64::from((!(before - 1) & (half - 1)).count_ones()) } else { 0 };
+                continue;
+            }
             for level in 0..self.levels() {
                 let apart = 1 << level;
                 if 2 * apart >= lanes {

@@ -130,10 +130,10 @@ pub(crate) fn traffic(traffic: &TrafficReport) -> Vec<Fact> {
         facts.push(("Links", format!("{all} words of beams, at most {peak} of a beam over one")));
     }
     if let Some(link) = traffic.links.iter().rev().max_by_key(|link| link.words) {
-        let (words, waited) = (count(link.words), count(link.peak_words));
+        let (words, queued) = (count(link.words), count(link.peak_words));
         let busy = link.slots.map_or_else(String::new, |slots| {
             let part = percentage(link.words as f64 / slots.max(1) as f64);
-            format!(", {part} of what it can; at most {waited} waited")
+            format!(", {part} of what it can, at most {queued} queued")
         });
         facts.push(("Busiest link", format!("{}, {}: {words} words{busy}", link.link, link.direction)));
     }

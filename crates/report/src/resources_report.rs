@@ -138,7 +138,7 @@ pub struct LinkReport {
     /// Words that it could have carried; absent where it carries any number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slots: Option<u64>,
-    /// Most words that waited.
+    /// Most words that were there at the end of a cycle.
     pub peak_words: u64,
 }
 
