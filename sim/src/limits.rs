@@ -1,8 +1,10 @@
 //! What limits the frame rate: the machine again with one resource at a time out of the way.
 
-use crate::machine::Machine;
+use crate::machine::{Machine, RunCounters};
 use crate::problem::Outcome;
 use cube3_cfb::PortSpec;
+use cube3_channel::ClockDomain;
+use cube3_dsb::LinkReading;
 use cube3_host::{
     Acquisition, AcquisitionMode, Boards, Bus, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, FrameSetup, Frames,
     HostLink, Layout, MachineSpec,
@@ -95,25 +97,50 @@ fn roomy(channels: &Channels) -> Channels {
     }
 }
 
-/// Cycles from the last pixel of a picture to that of the next, where pictures of the same `passes` follow each other.
+/// Cycles from the last pixel of a picture to that of the next, where pictures of the same `passes` follow each other. Where links are limited
+/// another one follows: what its beams put on the links while the buffers still hold this picture's is part of a picture's time.
 ///
 /// # Errors
 /// A machine that cannot move.
 pub fn frame_interval(machine: &MachineSpec, passes: &[FrameSetup]) -> Outcome<u64> {
-    interval_under(machine, passes, None)
+    Ok(interval_under(machine, passes, None)?.0)
 }
 
-/// The same while volumes of `incoming` voxels along x, y, z come in without end.
-fn interval_under(machine: &MachineSpec, passes: &[FrameSetup], incoming: Option<[usize; 3]>) -> Outcome<u64> {
-    let frames = [passes, passes, passes].concat();
+/// Words that a link can carry in a direction in so many cycles, where it is limited.
+pub fn link_slots(machine: &MachineSpec, cycles: u64) -> Option<u64> {
+    let rate = machine.boards.link_words_per_cycle.filter(|_| machine.boards.count > 1)?;
+    Some(u64::try_from(ClockDomain::from_rate(rate).ticks_before(cycles)).unwrap_or(u64::MAX))
+}
+
+/// The link and direction that carried the most words; the first of several.
+pub fn busiest_link(links: &[LinkReading]) -> Option<&LinkReading> {
+    links.iter().rev().max_by_key(|link| link.carried())
+}
+
+/// The same while volumes of `incoming` voxels along x, y, z come in without end; and what the run counted.
+fn interval_under(
+    machine: &MachineSpec,
+    passes: &[FrameSetup],
+    incoming: Option<[usize; 3]>,
+) -> Outcome<(u64, RunCounters)> {
+    let pictures = if link_slots(machine, 1).is_some() { 4 } else { 3 };
+    let frames = vec![passes; pictures].concat();
     let mut run = Machine::timing(machine, frames)?;
     if let Some(dims) = incoming {
         run.acquire(PortSpec::new(machine, dims, None));
-        run.begin_pictures([0, 1, 2].map(|picture| picture * passes.len() as u32).to_vec());
+        run.begin_pictures((0..pictures as u32).map(|picture| picture * passes.len() as u32).collect());
     }
     run.run(&|_, _| {})?;
-    let ends = run.counters().frame_ends;
-    Ok(ends[3 * passes.len() - 1] - ends[2 * passes.len() - 1])
+    let counters = run.counters();
+    let ends = &counters.frame_ends;
+    Ok((ends[3 * passes.len() - 1] - ends[2 * passes.len() - 1], counters))
+}
+
+/// The busiest link in words, with the part of the run in which it carried what it can.
+fn named_link(machine: &MachineSpec, counters: &RunCounters) -> Option<String> {
+    let link = busiest_link(&counters.links)?;
+    let busy = link.carried() as f64 / link_slots(machine, counters.cycles)?.max(1) as f64;
+    Some(format!("link {}, {}, {:.0} % busy", link.link, link.direction(), 100.0 * busy))
 }
 
 /// Finds the resource without which frames follow each other fastest, and what limits then; while volumes of `incoming` voxels
@@ -122,10 +149,14 @@ fn interval_under(machine: &MachineSpec, passes: &[FrameSetup], incoming: Option
 /// # Errors
 /// As [`frame_interval`].
 pub fn limits(machine: &MachineSpec, passes: &[FrameSetup], incoming: Option<[usize; 3]>) -> Outcome<LimitsReport> {
-    let interval = interval_under(machine, passes, incoming)?;
+    let (interval, counters) = interval_under(machine, passes, incoming)?;
     let interval_without = |machine: &MachineSpec, resource: &Resource| {
         let freed = (resource.remove)(machine);
-        if freed == *machine { Ok(None) } else { interval_under(&freed, passes, incoming).map(Some) }
+        if freed == *machine {
+            Ok(None)
+        } else {
+            interval_under(&freed, passes, incoming).map(|(interval, _)| Some(interval))
+        }
     };
     let fps = |interval: u64| machine.clock_hz / interval.max(1) as f64;
     let mut without = Vec::new();
@@ -159,7 +190,9 @@ pub fn limits(machine: &MachineSpec, passes: &[FrameSetup], incoming: Option<[us
     let sentence = match (fps_without, next) {
         (Some(faster), Some(next)) => {
             let verb = if matches!(next, "buffers" | "links" | "channels") { "limit" } else { "limits" };
-            format!("{critical}: {:.1} frames/s; without it {faster:.1}, then the {next} {verb}", fps(interval))
+            let link = named_link(machine, &counters).filter(|_| critical == "links");
+            let link = link.map_or_else(String::new, |link| format!(" ({link})"));
+            format!("{critical}: {:.1} frames/s{link}; without it {faster:.1}, then the {next} {verb}", fps(interval))
         }
         _ => format!(
             "{critical}: {:.1} frames/s, with {} lanes at {} MHz; no other resource slows it",

@@ -1,12 +1,23 @@
-//! What boards cost beside the beams on the bus: longer ways between neighbouring lanes, and their words.
+//! What boards cost: words that queue at the links between them, and longer ways between neighbouring lanes.
+//!
+//! ```text
+//!   bus ─[aligned]─► dsb.write    dsb.read ─[rays]─► trilin ─[samples]─► abc ─[shaded]─► cone
+//!         gathering                           voxels,         samples          nodes
+//!                                             edges
+//! ```
+//! A token's words are put on the links when it is pushed into the channel before the unit that needs them. It can be popped when
+//! they are over; and while a link that they cross is full, it is not pushed.
 
-use cube3_abc::reach;
+use cube3_abc::{ShadedRay, frame_reach, reach};
+use cube3_cfb::Beam;
+use cube3_channel::{Archive, ArchiveError, Archived, Channel};
 use cube3_cone::ConeSpec;
-use cube3_dsb::BoardSpec;
+use cube3_dsb::{BoardSpec, LinkReading, Links, RayPair};
 use cube3_host::{ChannelSize, Channels, FrameSetup, MachineSpec};
+use cube3_trilin::SampleRay;
 use serde::{Deserialize, Serialize};
 
-/// Words that a ray sends over the links, all links and both directions together.
+/// Words that rays send over the links, all links and both directions together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RayWords {
     /// TRILIN: voxels of the next depth and edges of the ray before, each of two planes.
@@ -18,21 +29,22 @@ pub struct RayWords {
 }
 
 impl RayWords {
-    /// The words of a ray in a frame.
+    /// The words of the rays of a frame.
     pub fn new(machine: &MachineSpec, setup: &FrameSetup) -> RayWords {
-        let boards = BoardSpec::new(machine).boards;
-        if boards == 1 {
+        if machine.boards.count == 1 {
             return RayWords::default();
         }
-        // A lane of each side of each link, for each chunk of the ray.
-        let lanes = (2 * boards * setup.geometry.size[2].div_ceil(machine.lanes)) as u64;
-        let reach = setup.gradient.map_or(0, |gradient| reach(gradient.method, setup.most_reach()));
-        RayWords { trilin: 2 * lanes, abc: reach as u64 * lanes, cone: ConeSpec::new(machine, setup).link_words() }
-    }
-
-    /// The words of so many rays.
-    pub fn times(self, rays: u64) -> RayWords {
-        RayWords { trilin: self.trilin * rays, abc: self.abc * rays, cone: self.cone * rays }
+        let [slots, planes] = setup.geometry.slot_counts();
+        let links = RayLinks::new(machine, setup);
+        let sum = |words: &[[u64; 2]]| words.iter().flatten().sum::<u64>();
+        let mut nodes = vec![[0; 2]; machine.boards.count];
+        let cone = (0..slots).map(|slot| {
+            links.cone.link_words(slot % machine.lanes, &mut nodes);
+            sum(&nodes)
+        });
+        let planes = planes as u64;
+        let rays = slots as u64 * planes;
+        RayWords { trilin: rays * sum(&links.trilin), abc: rays * sum(&links.abc), cone: planes * cone.sum::<u64>() }
     }
 
     /// The sum.
@@ -41,19 +53,127 @@ impl RayWords {
     }
 }
 
-/// The channels with what boards and the kind of cone add: a beam may go to the farthest board, samples to the lanes beside; room for
-/// the tokens on their way comes with it.
-pub fn channels(machine: &MachineSpec) -> Channels {
+/// Words of a ray of a frame over each link, forwards and backwards.
+#[derive(Clone, Debug)]
+struct RayLinks {
+    trilin: Vec<[u64; 2]>,
+    abc: Vec<[u64; 2]>,
+    /// The cone's depend on the lane at which a ray begins.
+    cone: ConeSpec,
+}
+
+impl RayLinks {
+    fn new(machine: &MachineSpec, setup: &FrameSetup) -> RayLinks {
+        let boards = machine.boards.count;
+        let chunks = setup.geometry.size[2].div_ceil(machine.lanes) as u64;
+        // The voxel of the next depth comes back from the next lane. The edge of the ray before comes on to the next lane; a cell of its
+        // own has both columns instead. Of two planes or rows.
+        let trilin = if setup.geometry.doubled() { [0, 4 * chunks] } else { [2 * chunks; 2] };
+        // A sample crosses a link once, for all lanes that read it.
+        let abc = frame_reach(setup) as u64 * chunks;
+        RayLinks { trilin: vec![trilin; boards], abc: vec![[abc; 2]; boards], cone: ConeSpec::new(machine, setup) }
+    }
+}
+
+/// The links of a machine, and what its units put on them.
+#[derive(Clone, Debug)]
+pub(crate) struct Traffic {
+    links: Links,
+    frames: Vec<RayLinks>,
+    lanes: usize,
+    /// For each link and direction whether any ray of any frame needs it: in TRILIN, ABC and cone.
+    needed: [Vec<[u64; 2]>; 3],
+    /// Nodes of a ray: their memory.
+    nodes: Vec<[u64; 2]>,
+}
+
+impl Traffic {
+    /// Empty links for some frames; none on a machine of one board.
+    pub fn new(machine: &MachineSpec, frames: &[FrameSetup]) -> Option<Traffic> {
+        let links = Links::new(machine)?;
+        let frames: Vec<RayLinks> = frames.iter().map(|setup| RayLinks::new(machine, setup)).collect();
+        let mut nodes = vec![[0; 2]; machine.boards.count];
+        let mut needed: [Vec<[u64; 2]>; 3] = std::array::from_fn(|_| nodes.clone());
+        let join = |needed: &mut [[u64; 2]], words: &[[u64; 2]]| {
+            needed.iter_mut().flatten().zip(words.iter().flatten()).for_each(|(needed, words)| *needed |= words);
+        };
+        for frame in &frames {
+            join(&mut needed[0], &frame.trilin);
+            join(&mut needed[1], &frame.abc);
+        }
+        // All cones of a machine are alike but for the chunks: one of two crosses every link that one of more does.
+        if let Some(cone) = frames.iter().map(|frame| frame.cone).max_by_key(|cone| cone.chunks) {
+            for start in 0..machine.lanes {
+                cone.link_words(start, &mut nodes);
+                join(&mut needed[2], &nodes);
+            }
+        }
+        Some(Traffic { links, frames, lanes: machine.lanes, needed, nodes })
+    }
+
+    /// The links as the last cycle left them.
+    pub fn links(&self) -> &Links {
+        &self.links
+    }
+
+    /// Each link, forwards and backwards.
+    pub fn readings(&self) -> Vec<LinkReading> {
+        self.links.readings()
+    }
+
+    /// Ends a cycle, before the channels commit: links carry, and then take the words of the tokens pushed in it, those of the later unit
+    /// first; `beam` are those of a beam of voxels.
+    #[inline]
+    pub fn end_cycle<A, B, C, D>(
+        &mut self,
+        beam: Option<&[[u64; 2]]>,
+        aligned: &mut Channel<Beam<A>>,
+        rays: &mut Channel<RayPair<B>>,
+        samples: &mut Channel<SampleRay<C>>,
+        shaded: &mut Channel<ShadedRay<D>>,
+    ) {
+        let Traffic { links, frames, lanes, needed, nodes } = self;
+        links.carry();
+        if let Some(ray) = shaded.pushed() {
+            frames[ray.frame as usize].cone.link_words(ray.slot as usize % *lanes, nodes);
+            shaded.delay(links.put(nodes));
+        }
+        if let Some(ray) = samples.pushed() {
+            samples.delay(links.put(&frames[ray.frame as usize].abc));
+        }
+        if let Some(ray) = rays.pushed() {
+            rays.delay(links.put(&frames[ray.frame as usize].trilin));
+        }
+        if let Some(words) = beam {
+            aligned.delay(links.put(words));
+        }
+        rays.shut(!links.has_room(&needed[0]));
+        samples.shut(!links.has_room(&needed[1]));
+        shaded.shut(!links.has_room(&needed[2]));
+    }
+}
+
+impl Archived for Traffic {
+    fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
+        let Traffic { links, frames: _, lanes: _, needed: _, nodes: _ } = self;
+        links.archive(archive)
+    }
+}
+
+/// The channels with what boards and the kind of cone add: a beam may go to the farthest board, samples to the lanes beside, as far as a gradient of
+/// one of the frames reads; room for the tokens on their way comes with it.
+pub fn channels(machine: &MachineSpec, frames: &[FrameSetup]) -> Channels {
     let spec = BoardSpec::new(machine);
     let farther = |size: ChannelSize, hops: usize| {
         let more = hops as u64 * spec.latency;
         ChannelSize { capacity: size.capacity + more as usize, latency: size.latency + more }
     };
     let sizes = machine.channel;
+    let reach = frames.iter().map(frame_reach).fold(reach(machine.abc.gradient, 1, false), usize::max);
     Channels {
         aligned: farther(sizes.aligned, spec.diameter()),
         samples: farther(sizes.samples, spec.neighbour_hops(1)),
-        shaded: farther(sizes.shaded, spec.neighbour_hops(reach(machine.abc.gradient, 1))),
+        shaded: farther(sizes.shaded, spec.neighbour_hops(reach)),
         pixels: ConeSpec::pixels(machine),
         ..sizes
     }

@@ -6,7 +6,7 @@
 
 use crate::fidelity::{Cycle, Fidelity, Timing};
 use crate::host_port::{Collector, HostCounters, HostPort, NoHost};
-use crate::links::{RayWords, channels};
+use crate::links::{RayWords, Traffic, channels};
 use crate::trace::{Token, TokenKind};
 use cube3_abc::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, ShadedSamples, Shader};
 use cube3_cfb::golden::Skew;
@@ -18,7 +18,7 @@ use cube3_channel::{
 };
 use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelGroup, Pixels, Reduce, Reducer};
 use cube3_dsb::bus::{Align, BusCounters, BusUnit, NoBus};
-use cube3_dsb::{DsbSpec, DsbUnit, NoPlanes, PlaneStore, RayPair, Rotator, Store};
+use cube3_dsb::{DsbSpec, DsbUnit, LinkReading, NoPlanes, PlaneStore, RayPair, Rotator, Store};
 use cube3_host::{AcquisitionMode, BasePlane, ChannelSize, FrameSetup, MachineSpec, Sections};
 use cube3_trilin::{Interpolate, Interpolator, NoSamples, RaySamples, SampleRay, TrilinSpec, TrilinUnit};
 
@@ -47,8 +47,10 @@ pub struct Machine<F: Fidelity> {
     /// Ray slots of all frames.
     slots: u64,
     overlap: bool,
-    /// Words of a ray on the links between boards, for each frame.
+    /// Words of the rays of each frame on the links between boards.
     ray_words: Vec<RayWords>,
+    /// The links, where there are several boards.
+    traffic: Option<Traffic>,
     cfb: CfbUnit<F::Cfb>,
     bus: BusUnit<F::Bus>,
     dsb: DsbUnit<F::Dsb>,
@@ -109,6 +111,8 @@ pub struct RunCounters {
     pub bus: BusCounters,
     /// Words of rays on those links, in the frames that the host has received whole.
     pub ray_words: RayWords,
+    /// Each link between boards, forwards and backwards; nothing on one board.
+    pub links: Vec<LinkReading>,
     /// Pixels and bytes to the host.
     pub host: HostCounters,
 }
@@ -328,7 +332,7 @@ impl<F: Fidelity> Machine<F> {
         nodes: F::Cone,
         parts: impl Fn(&FrameSetup) -> Parts<F>,
     ) -> Result<Machine<F>, RunError> {
-        let sizes = channels(machine);
+        let sizes = channels(machine, &frames);
         let [beams, aligned, rays, samples, shaded, pixels] = Self::JOINTS.map(|joint| joint.channel);
         let mut dsb = Vec::new();
         let mut trilin = Vec::new();
@@ -358,6 +362,7 @@ impl<F: Fidelity> Machine<F> {
             cone: ConeUnit::new(frames.iter().map(|setup| ConeSpec::new(machine, setup)).collect(), nodes),
             host: HostPort::new(machine, host),
             ray_words: frames.iter().map(|setup| RayWords::new(machine, setup)).collect(),
+            traffic: Traffic::new(machine, &frames),
             beams: channel(beams, sizes.beams)?,
             aligned: channel(aligned, sizes.aligned)?,
             rays: channel(rays, sizes.rays)?,
@@ -399,7 +404,8 @@ impl<F: Fidelity> Machine<F> {
         let abc = self.abc.tick(frames, &mut self.samples, &mut self.shaded);
         let trilin = self.trilin.tick(frames, &mut self.rays, &mut self.samples);
         let [write, read] = self.dsb.tick(&mut self.aligned, &mut self.rays);
-        let bus = self.bus.tick(frames, &mut self.beams, &mut self.aligned);
+        let links = self.traffic.as_ref().map(Traffic::links);
+        let bus = self.bus.tick(frames, &mut self.beams, &mut self.aligned, links);
         let cfb = self.cfb.tick(frames, released, &mut self.beams);
         self.commit();
         if self.host.frames_done() as usize > self.frame_ends.len() {
@@ -441,6 +447,10 @@ impl<F: Fidelity> Machine<F> {
 
     #[inline]
     fn commit(&mut self) {
+        let Machine { traffic, bus, aligned, rays, samples, shaded, .. } = self;
+        if let Some(traffic) = traffic {
+            traffic.end_cycle(bus.sent(), aligned, rays, samples, shaded);
+        }
         self.beams.commit();
         self.aligned.commit();
         self.rays.commit();
@@ -518,8 +528,8 @@ impl<F: Fidelity> Machine<F> {
 
     /// Words of the rays of the frames that the host has received whole.
     fn ray_words_received(&self) -> RayWords {
-        let frames = self.frames.iter().zip(&self.ray_words).take(self.host.frames_done() as usize);
-        frames.map(|(setup, words)| words.times(slots_of(setup))).fold(RayWords::default(), RayWords::plus)
+        let frames = self.ray_words.iter().take(self.host.frames_done() as usize);
+        frames.copied().fold(RayWords::default(), RayWords::plus)
     }
 
     /// What each unit did with its cycles, in the order of [`Machine::UNITS`].
@@ -554,6 +564,7 @@ impl<F: Fidelity> Machine<F> {
             reorder: self.cfb.reorder_counters(),
             bus: self.bus.counters(),
             ray_words: self.ray_words_received(),
+            links: self.traffic.as_ref().map(Traffic::readings).unwrap_or_default(),
             host: self.host.counters(),
         }
     }
@@ -566,6 +577,7 @@ impl<F: Fidelity> Archived for Machine<F> {
             slots: _,
             overlap: _,
             ray_words: _,
+            traffic,
             cfb,
             bus,
             dsb,
@@ -590,6 +602,9 @@ impl<F: Fidelity> Archived for Machine<F> {
         abc.archive(archive)?;
         cone.archive(archive)?;
         host.archive(archive)?;
+        if let Some(traffic) = traffic {
+            traffic.archive(archive)?;
+        }
         beams.archive(archive)?;
         aligned.archive(archive)?;
         rays.archive(archive)?;

@@ -228,6 +228,9 @@ pub(crate) fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSet
     let coloured = u64::from(3 * words.colour_bits + words.opacity_bits);
     kind("shifter before the cone", format!("{shifter} samples of {coloured} bits"), shifter * coloured);
     let tables = most(&|setup| table_bits(machine, setup));
+    let (boards, capacity) = (machine.boards.count as u64, machine.boards.link_capacity_words as u64);
+    let queued = if boards > 1 && machine.boards.link_words_per_cycle.is_some() { 2 * boards * capacity } else { 0 };
+    kind("link queues", format!("{queued} words of {voxel_bits} bits"), queued * voxel_bits);
     let lanes = machine.lanes as u64;
     kind("tables", format!("{lanes} lanes × {tables} bits"), lanes * tables);
     let templates = most(&|setup| {
@@ -361,7 +364,8 @@ fn interfaces(machine: &MachineSpec, frames: &[FrameSetup], counters: &RunCounte
         // Each board has a link to its neighbour, which carries words in two directions.
         let words = machine.boards.link_words_per_cycle.map(|words| 2.0 * machine.boards.count as f64 * words);
         let links = words.map(|words| words * voxel * clock);
-        interfaces.push(interface("links between boards", links, counters.bus.link_words as f64 * voxel));
+        let carried = counters.links.iter().map(|link| link.carried() as f64).sum::<f64>();
+        interfaces.push(interface("links between boards", links, carried * voxel));
     }
     interfaces
 }

@@ -18,15 +18,16 @@ use crate::reference::{self, Reference, check_reference, reference_error, refere
 use crate::resources;
 use cube3_cfb::memory::MemoryCounters;
 use cube3_channel::Reason;
+use cube3_dsb::LinkReading;
 use cube3_host::{
     BasePlane, FrameSetup, Geometry, MachineSpec, PictureFrames, RaySlots, TemplateRule, canonical, picture_setup,
     warp_passes,
 };
 use cube3_metrics::{Picture, compare, difference, footprint, suggested_factor};
 use cube3_report::{
-    ChannelReport, DigestReport, ErrorReport, LeftOut, MemoryTraffic, OpacityReport, PassReport, PerspectiveReport,
-    PlanReport, Program, ReorderTraffic, RunReport, SCHEMA, SequenceReport, TimingCounts, TrafficReport, UnitReport,
-    ViewReport, VolumeReport, WallReport, WordsReport, sha256_hex,
+    ChannelReport, DigestReport, ErrorReport, LeftOut, LinkReport, MemoryTraffic, OpacityReport, PassReport,
+    PerspectiveReport, PlanReport, Program, ReorderTraffic, RunReport, SCHEMA, SequenceReport, TimingCounts,
+    TrafficReport, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport, sha256_hex,
 };
 use cube3_scene::Scene;
 use std::collections::BTreeMap;
@@ -254,7 +255,7 @@ impl Asked<'_> {
             }),
             limits,
             resources,
-            traffic: run.counters.as_ref().map(traffic_report),
+            traffic: run.counters.as_ref().map(|counters| traffic_report(machine, counters)),
             units: run.counters.as_ref().map_or_else(Vec::new, unit_reports),
             channels: run.counters.as_ref().map_or_else(Vec::new, channel_reports),
             words: WordsReport { opacity: found.opacity, ..words_report(run, volume) },
@@ -526,7 +527,7 @@ fn unit_reports(counters: &RunCounters) -> Vec<UnitReport> {
     counters.units.iter().map(report).collect()
 }
 
-fn traffic_report(counters: &RunCounters) -> TrafficReport {
+fn traffic_report(machine: &MachineSpec, counters: &RunCounters) -> TrafficReport {
     let mut sum = MemoryCounters::default();
     counters.memory.iter().for_each(|&frame| sum += frame);
     let memory = (!counters.memory.is_empty()).then_some(MemoryTraffic {
@@ -544,6 +545,14 @@ fn traffic_report(counters: &RunCounters) -> TrafficReport {
         mini_blocks: buffer.mini_blocks,
     });
     let (bus, rays, host) = (&counters.bus, &counters.ray_words, &counters.host);
+    let slots = limits::link_slots(machine, counters.cycles);
+    let link = |reading: &LinkReading| LinkReport {
+        link: reading.link as u64,
+        direction: reading.direction().into(),
+        words: reading.carried(),
+        slots,
+        peak_words: reading.peak,
+    };
     TrafficReport {
         memory,
         reorder,
@@ -552,6 +561,7 @@ fn traffic_report(counters: &RunCounters) -> TrafficReport {
         link_words: bus.link_words,
         link_peak_words: bus.link_peak,
         ray_words: [rays.trilin, rays.abc, rays.cone],
+        links: counters.links.iter().map(link).collect(),
         host_pixels: host.pixels,
         host_bytes: host.bytes,
     }

@@ -94,16 +94,17 @@ fn fabrics() -> impl Strategy<Value = Fabric> {
             clock_hz,
         },
     );
-    let boards = (prop_oneof![Just(0.0), 0.0..1.0_f64], rate(), 1_u64..4);
+    let boards = (prop_oneof![Just(0.0), 0.0..1.0_f64], rate(), prop_oneof![Just(1024), 1_usize..40], 1_u64..4);
     let cone = proptest::sample::select(ConeKind::ALL.to_vec()).prop_map(|kind| Cone { kind });
     let host = rate().prop_map(|bytes_per_cycle| HostLink { bytes_per_cycle });
     let bus = prop_oneof![Just(Bus::default()), bus];
     let cone = prop_oneof![Just(Cone::default()), cone];
     (bus, boards, cone, host, 1_usize..=2, 3_usize..7).prop_map(
-        |(bus, (boards, link_rate, link_latency), cone, host_link, ports, planes)| Fabric {
+        |(bus, (boards, link_rate, link_capacity, link_latency), cone, host_link, ports, planes)| Fabric {
             bus,
             boards,
             link_rate,
+            link_capacity,
             link_latency,
             cone,
             host_link,
@@ -120,6 +121,7 @@ struct Fabric {
     /// Boards as a part of the lanes, 0 for one board.
     boards: f64,
     link_rate: Option<f64>,
+    link_capacity: usize,
     link_latency: u64,
     cone: Cone,
     host_link: HostLink,
@@ -199,6 +201,7 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
                 boards: Boards {
                     count: 1 + (fabric.boards * lanes as f64) as usize,
                     link_words_per_cycle: fabric.link_rate,
+                    link_capacity_words: fabric.link_capacity,
                     link_latency_cycles: fabric.link_latency,
                 },
                 dsb: Dsb { planes, ports: fabric.ports },

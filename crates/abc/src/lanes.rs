@@ -1109,21 +1109,23 @@ mod tests {
         for (method, _) in GradientMethod::ALL {
             let [one_way, any_way] = [false, true].map(|mirrored| neighbours(Some(method), mirrored));
             let listed = |list: &[Neighbours], place: usize| list.as_flattened().iter().any(|read| read.place == place);
-            let mut farthest = 0;
+            let mut farthest = [0; 2];
             for place in 0..27 {
                 let [w, v, u] = [place / 9, place / 3 % 3, place % 3].map(|i| i as i64 - 1);
                 let needed = |mirror: [i64; 2]| place != HERE && changes(method, [mirror[0] * u, mirror[1] * v, w]);
                 if place != HERE {
                     assert_eq!(reads(method, [u, v, w]), needed([1, 1]), "{method:?} at {:?}", [u, v, w]);
                 }
-                if needed([1, 1]) {
-                    farthest = farthest.max((u + w).unsigned_abs() as usize);
+                for (against, farthest) in farthest.iter_mut().enumerate() {
+                    if needed([1 - 2 * against as i64, 1]) {
+                        *farthest = (*farthest).max((u + w).unsigned_abs() as usize);
+                    }
                 }
                 assert_eq!(listed(&one_way, place), needed([1, 1]), "{method:?}, place {place}");
                 let either_way = [[1, 1], [1, -1], [-1, 1], [-1, -1]].into_iter().any(needed);
                 assert_eq!(listed(&any_way, place), either_way, "{method:?}, place {place}, rays either way");
             }
-            assert_eq!(crate::reach(method, 1), farthest, "{method:?}");
+            assert_eq!([false, true].map(|against| crate::reach(method, 1, against)), farthest, "{method:?}");
         }
     }
 

@@ -13,4 +13,4 @@ pub mod lanes;
 mod perspective;
 mod unit;
 
-pub use unit::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, ShadedSamples, Shader, reach};
+pub use unit::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, ShadedSamples, Shader, frame_reach, reach};

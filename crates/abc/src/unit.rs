@@ -352,14 +352,22 @@ impl Shader {
 }
 
 /// How many lanes away the samples are that a gradient method reads where neighbours are `rays` rays away: a ray along u and a step along w are a
-/// lane each.
-pub fn reach(method: GradientMethod, rays: usize) -> usize {
+/// lane each. `against` is whether the ray runs against u, so that it is shaded in the mirror.
+pub fn reach(method: GradientMethod, rays: usize, against: bool) -> usize {
     let steps = [-1_i64, 0, 1];
     let all = steps.into_iter().flat_map(|u| steps.into_iter().flat_map(move |v| steps.map(|w| [u, v, w])));
-    all.filter(|by| reads(method, *by))
-        .map(|by| (by[0] * rays as i64 + by[2]).unsigned_abs() as usize)
-        .max()
-        .unwrap_or(0)
+    let along = if against { -(rays as i64) } else { rays as i64 };
+    all.filter(|by| reads(method, *by)).map(|by| (by[0] * along + by[2]).unsigned_abs() as usize).max().unwrap_or(0)
+}
+
+/// The farthest of them for any ray of a frame; 0 where it needs no gradient.
+pub fn frame_reach(setup: &FrameSetup) -> usize {
+    let Some(registers) = &setup.gradient else {
+        return 0;
+    };
+    let slopes = setup.geometry.perspective.as_ref().map_or(&[0][..], |pass| &pass.u.slopes);
+    let runs = [false, true].into_iter().filter(|&against| slopes.iter().any(|&slope| (slope < 0) == against));
+    runs.map(|against| reach(registers.method, setup.most_reach(), against)).max().unwrap_or(0)
 }
 
 impl Shade for Shader {
@@ -738,7 +746,8 @@ impl<A: Shade> AbcUnit<A> {
         let activity = match (taken, given) {
             (Activity::Busy, _) | (_, Activity::Busy) => Activity::Busy,
             (Activity::Blocked, _) | (_, Activity::Blocked) => Activity::Blocked,
-            _ => Activity::Starved,
+            (Activity::Starved, given) => given,
+            (taken, _) => taken,
         };
         self.account.record(activity)
     }
@@ -746,7 +755,7 @@ impl<A: Shade> AbcUnit<A> {
     #[inline]
     fn take(&mut self, frames: &[FrameSetup], samples: &mut Channel<SampleRay<A::Input>>) -> Activity {
         let Some(ray) = samples.front() else {
-            return Activity::Starved;
+            return samples.lack();
         };
         if !self.has_buffer(u64::from(ray.plane)) {
             return Activity::Blocked;
@@ -800,7 +809,7 @@ impl<A: Shade> AbcUnit<A> {
             return Activity::Busy;
         }
         let Some(output) = shaded.push_slot() else {
-            return Activity::Blocked;
+            return shaded.refusal();
         };
         output.frame = pass.frame;
         output.plane = plane as u32;

@@ -1,6 +1,6 @@
 //! A bounded pipelined channel with credits.
 
-use crate::{Archive, ArchiveError, Archived, Payload};
+use crate::{Activity, Archive, ArchiveError, Archived, Payload, Reason};
 use serde::{Deserialize, Serialize};
 
 /// A first-in first-out channel of `capacity` tokens, each of which takes `latency` cycles from push to pop.
@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 /// One token is pushed and one popped in a cycle at most. A token on its way counts towards the
 /// capacity, and the credit of a popped token comes back with the commit, so a full rate needs a capacity of
 /// `latency + 1`.
+///
+/// What a token needs beside the channel, its words on links between boards, can make it later ([`Channel::delay`]) or keep the
+/// next one out ([`Channel::shut`]); both are said between the last tick and the commit.
 #[derive(Clone, Debug)]
 pub struct Channel<T> {
     name: &'static str,
@@ -19,6 +22,7 @@ pub struct Channel<T> {
     now: u64,
     pushed: bool,
     popped: bool,
+    shut: bool,
     counters: ChannelCounters,
 }
 
@@ -27,6 +31,8 @@ pub struct Channel<T> {
 struct Slot<T> {
     /// The first cycle in which it can be popped.
     ready: u64,
+    /// Cycles of those that it waits for words on links.
+    late: u64,
     token: T,
 }
 
@@ -75,7 +81,7 @@ impl<T: Default> Channel<T> {
         let ring = capacity.next_power_of_two();
         Ok(Channel {
             name,
-            slots: (0..ring).map(|_| Slot { ready: 0, token: T::default() }).collect(),
+            slots: (0..ring).map(|_| Slot { ready: 0, late: 0, token: T::default() }).collect(),
             head: 0,
             len: 0,
             capacity,
@@ -83,6 +89,7 @@ impl<T: Default> Channel<T> {
             now: 0,
             pushed: false,
             popped: false,
+            shut: false,
             counters: ChannelCounters::default(),
         })
     }
@@ -109,10 +116,51 @@ impl<T> Channel<T> {
         (self.head + behind) & (self.slots.len() - 1)
     }
 
-    /// Whether a token can be pushed in this cycle: a credit is there and nothing has been pushed yet.
+    /// Whether a token can be pushed in this cycle: a credit is there, nothing has been pushed yet, and links have room for its words.
     #[inline]
     pub fn can_push(&self) -> bool {
+        !self.shut && self.has_credit()
+    }
+
+    #[inline]
+    fn has_credit(&self) -> bool {
         !self.pushed && self.len + usize::from(self.popped) < self.capacity
+    }
+
+    /// What a unit does that has a token and cannot push it: it waits for room on links, or is blocked by the channel.
+    #[inline]
+    pub fn refusal(&self) -> Activity {
+        if self.shut && self.has_credit() { Activity::Waiting(Reason::Link) } else { Activity::Blocked }
+    }
+
+    /// What a unit does that finds no token at the front: it waits for the words of one that is there, or has nothing to work on.
+    #[inline]
+    pub fn lack(&self) -> Activity {
+        let slot = &self.slots[self.head];
+        let waits = self.len > 0 && !self.popped && slot.ready > self.now && slot.ready - slot.late <= self.now;
+        if waits { Activity::Waiting(Reason::Link) } else { Activity::Starved }
+    }
+
+    /// The token that was pushed in this cycle.
+    #[inline]
+    pub fn pushed(&self) -> Option<&T> {
+        if self.pushed { self.newest() } else { None }
+    }
+
+    /// Makes the token that was pushed in this cycle so many cycles later: its words wait on links.
+    #[inline]
+    pub fn delay(&mut self, cycles: u64) {
+        if self.pushed && self.len > 0 {
+            let place = self.place(self.len - 1);
+            self.slots[place].ready += cycles;
+            self.slots[place].late = cycles;
+        }
+    }
+
+    /// Whether links have no room for the words of the next token.
+    #[inline]
+    pub fn shut(&mut self, shut: bool) {
+        self.shut = shut;
     }
 
     /// Pushes a token; gives it back where there is no credit.
@@ -149,6 +197,7 @@ impl<T> Channel<T> {
         self.len += 1;
         let slot = &mut self.slots[place];
         slot.ready = self.now + self.latency + extra;
+        slot.late = 0;
         Some(&mut slot.token)
     }
 
@@ -200,7 +249,7 @@ impl<T> Channel<T> {
     /// The tokens held, oldest first, each with the cycles until it can be popped.
     pub fn held(&self) -> impl Iterator<Item = (&T, u64)> {
         (0..self.len).map(|i| {
-            let Slot { ready, token } = &self.slots[self.place(i)];
+            let Slot { ready, token, .. } = &self.slots[self.place(i)];
             (token, ready.saturating_sub(self.now))
         })
     }
@@ -234,8 +283,9 @@ impl<T> Channel<T> {
 /// Tokens held are archived, and not the memory of those that have left. Between two cycles only: nothing pushed or popped.
 impl<T: Payload> Archived for Channel<T> {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let Channel { name, slots, head, len, capacity, latency: _, now, pushed: _, popped: _, counters } = self;
+        let Channel { name, slots, head, len, capacity, latency: _, now, pushed: _, popped: _, shut, counters } = self;
         archive.item(now)?;
+        archive.item(shut)?;
         archive.item(counters)?;
         archive.item(len)?;
         if *len > *capacity {
@@ -244,6 +294,7 @@ impl<T: Payload> Archived for Channel<T> {
         for i in 0..*len {
             let place = (*head + i) & (slots.len() - 1);
             archive.item(&mut slots[place].ready)?;
+            archive.item(&mut slots[place].late)?;
             archive.item(&mut slots[place].token)?;
         }
         Ok(())
@@ -339,6 +390,47 @@ mod tests {
         channel.commit();
         assert_eq!(channel.pop(), Some(6));
         assert_eq!(channel.newest(), None);
+    }
+
+    #[test]
+    fn a_token_whose_words_wait_is_late_and_the_wait_has_its_name() {
+        let waits = Activity::Waiting(Reason::Link);
+        let mut channel = Channel::new("c", 4, 2).unwrap();
+        channel.push(1).unwrap();
+        assert_eq!(channel.pushed(), Some(&1));
+        channel.delay(3);
+        channel.commit();
+        assert_eq!((channel.pushed(), channel.lack()), (None, Activity::Starved), "its latency is no wait");
+        channel.push(2).unwrap();
+        channel.commit();
+        for _ in 2..5 {
+            assert_eq!((channel.front(), channel.lack()), (None, waits));
+            let bytes = Archive::save(&mut channel).unwrap();
+            channel = Channel::new("c", 4, 2).unwrap();
+            Archive::restore(&bytes, &mut channel).unwrap();
+            channel.commit();
+        }
+        assert_eq!((channel.pop(), channel.lack()), (Some(1), Activity::Starved));
+        channel.commit();
+        assert_eq!(channel.pop(), Some(2), "it waited behind the first and not longer");
+        channel.commit();
+        assert_eq!(channel.lack(), Activity::Starved, "nothing is there");
+    }
+
+    #[test]
+    fn a_shut_channel_takes_nothing_and_the_wait_has_its_name() {
+        let mut channel = Channel::new("c", 1, 1).unwrap();
+        channel.shut(true);
+        channel.commit();
+        assert!(!channel.can_push() && channel.push_slot().is_none());
+        assert_eq!(channel.refusal(), Activity::Waiting(Reason::Link));
+        channel.shut(false);
+        channel.commit();
+        channel.push(1).unwrap();
+        channel.shut(true);
+        channel.commit();
+        assert_eq!(channel.refusal(), Activity::Blocked, "the channel itself is full");
+        assert_eq!(channel.pop(), Some(1), "what is there can leave");
     }
 
     #[test]

@@ -66,6 +66,18 @@ impl ClockDomain {
         next.advance()
     }
 
+    /// The least number of pipeline cycles, from this one on, that have so many ticks.
+    #[inline]
+    pub fn cycles_of(&self, ticks: u64) -> u64 {
+        // There are ⌊(phase + n · ticks) / cycles⌋ ticks in n cycles.
+        let needed = u128::from(ticks) * u128::from(self.cycles);
+        let ahead = needed.saturating_sub(u128::from(self.phase));
+        match u64::try_from(ahead) {
+            Ok(ahead) => ahead.div_ceil(self.ticks),
+            Err(_) => u64::try_from(ahead.div_ceil(u128::from(self.ticks))).unwrap_or(u64::MAX),
+        }
+    }
+
     /// Ticks before pipeline cycle `cycle`, both counted from the start: `⌊cycle · ticks / cycles⌋`.
     pub fn ticks_before(&self, cycle: u64) -> u128 {
         u128::from(cycle) * u128::from(self.ticks) / u128::from(self.cycles)
@@ -108,6 +120,19 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn so_many_ticks_take_so_many_cycles(ticks in 1_u64..40, cycles in 1_u64..40, start in 0_u64..40, wanted in 0_u64..200) {
+            let mut clock = ClockDomain::from_ratio(ticks, cycles);
+            (0..start).for_each(|_| _ = clock.advance());
+            let needed = clock.cycles_of(wanted);
+            let given: u64 = (0..needed).map(|_| clock.advance()).sum();
+            prop_assert!(given >= wanted);
+            // The last cycle was needed.
+            let mut clock = ClockDomain::from_ratio(ticks, cycles);
+            (0..start).for_each(|_| _ = clock.advance());
+            prop_assert!(needed == 0 || (1..needed).map(|_| clock.advance()).sum::<u64>() < wanted);
+        }
+
         #[test]
         fn nothing_drifts(ticks in 1_u64..1 << 62, cycles in 1_u64..1 << 62, start in 0_u64..1_000_000_000_000, count in 1_u64..200) {
             let mut clock = ClockDomain::from_ratio(ticks, cycles);

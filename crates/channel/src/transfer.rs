@@ -3,7 +3,7 @@
 use crate::ClockDomain;
 use serde::{Deserialize, Serialize};
 
-/// The token in hand on its way over slices of a bus, words of a link or bytes to a host: so many a cycle, in whole ones.
+/// The token in hand on its way over slices of a bus or bytes to a host: so many a cycle, in whole ones.
 ///
 /// The rate starts with the first token after a rest. What the last cycle of a token has to spare serves the next token, if that
 /// is there in the cycle after; so tokens that follow each other take the sum of their amounts over the rate, rounded up once.
@@ -40,12 +40,6 @@ impl Transfer {
     #[inline]
     pub fn completes(&self, amount: u64) -> bool {
         self.carried + self.spare + self.clock.peek() >= amount
-    }
-
-    /// Whether it was over before this cycle.
-    #[inline]
-    pub fn completed(&self, amount: u64) -> bool {
-        self.carried >= amount
     }
 
     /// Ends a cycle in which the token stays.

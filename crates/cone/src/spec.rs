@@ -102,37 +102,84 @@ impl ConeSpec {
         let boards = self.boards as u64;
         match self.kind {
             _ if boards == 1 => [0, 0],
-            ConeKind::FoldedTree | ConeKind::ShiftedTree => {
-                [self.upper_levels().map(|(distance, _)| distance).sum(), 0]
-            }
+            ConeKind::FoldedTree | ConeKind::ShiftedTree => [self.upper_levels().sum(), 0],
             ConeKind::Chain => [boards - 1, boards],
             ConeKind::Accumulator => [boards / 2, 0],
         }
     }
 
-    /// Levels of a tree between boards: the links from the right child's board to the left's, the shorter way round, and pairs.
-    fn upper_levels(&self) -> impl Iterator<Item = (u64, u64)> {
+    /// Links from the right child's board to the left's, the shorter way round, for each level of a tree between boards.
+    fn upper_levels(&self) -> impl Iterator<Item = u64> {
         let boards = self.boards as u64;
         let strides =
             std::iter::successors(Some(1), |stride| Some(stride * 2)).take_while(move |stride| *stride < boards);
-        strides.map(move |stride| (stride.min(boards - stride), (boards - stride).div_ceil(2 * stride)))
+        strides.map(move |stride| stride.min(boards - stride))
     }
 
-    /// Words that a ray sends over links between boards, all links together; a lane without a sample sends an empty one.
-    pub fn link_words(&self) -> u64 {
-        let boards = self.boards as u64;
-        let crossings = match self.kind {
-            _ if boards == 1 => 0,
-            ConeKind::FoldedTree | ConeKind::ShiftedTree => {
-                self.chunks * self.upper_levels().map(|(distance, pairs)| distance * pairs).sum::<u64>()
+    /// Words that a ray whose first sample is in lane `start` sends over each link, forwards and backwards; `links` has a place for
+    /// each board. A lane without a sample sends an empty one. All go the shorter way round.
+    pub fn link_words(&self, start: usize, links: &mut [[u64; 2]]) {
+        links.fill([0; 2]);
+        if self.boards == 1 {
+            return;
+        }
+        let ring = BoardSpec { boards: self.boards, lanes: self.lanes, latency: self.link_latency };
+        match self.kind {
+            ConeKind::FoldedTree => self.tree_words(&ring, start, links),
+            ConeKind::ShiftedTree => {
+                // The shifter turns all leaves back by the start; the tree behind it starts at lane 0.
+                self.tree_words(&ring, 0, links);
+                let (back, on) = (start as u64, (self.lanes - start) as u64);
+                let [words, backwards] = if on <= back { [on, 0] } else { [back, 1] };
+                links.iter_mut().for_each(|link| link[backwards as usize] += words);
             }
-            ConeKind::Chain => self.chunks * boards - 1,
+            ConeKind::Chain => {
+                for (board, link) in links.iter_mut().enumerate() {
+                    // No chunk follows the last one over the link at which the circle begins.
+                    let begins = ring.first_lane(board) == start;
+                    link[0] = self.chunks - u64::from(begins);
+                }
+            }
             ConeKind::Accumulator => {
-                let ring = BoardSpec { boards: self.boards, lanes: self.lanes, latency: self.link_latency };
-                self.chunks * (0..self.lanes).map(|lane| ring.hops(ring.board(lane), 0) as u64).sum::<u64>()
+                // To board 0: the farther half of the ring goes on, the nearer one back.
+                let half = self.boards.div_ceil(2);
+                for (board, link) in links.iter_mut().enumerate() {
+                    let end = if board == 0 { self.lanes } else { ring.first_lane(board) };
+                    link[0] = end.saturating_sub(ring.first_lane(half)) as u64;
+                    link[1] = if board == 0 { 0 } else { ring.first_lane(half).saturating_sub(end) as u64 };
+                }
             }
-        };
-        NODE_WORDS * crossings
+        }
+        let times = if self.kind == ConeKind::Chain { NODE_WORDS } else { NODE_WORDS * self.chunks };
+        links.iter_mut().flatten().for_each(|words| *words *= times);
+    }
+
+    /// Nodes of a chunk over each link in a tree over the circle of leaves from lane `start` on. A node stands in the first lane of its left
+    /// child and takes the right child from the first lane of that.
+    fn tree_words(&self, ring: &BoardSpec, start: usize, links: &mut [[u64; 2]]) {
+        let lanes = self.lanes;
+        for (board, link) in links.iter_mut().enumerate() {
+            // Leaves of the circle before the link; the circle's end is beside its beginning.
+            let before = (ring.first_lane(board) + lanes - start) % lanes;
+            if lanes.is_power_of_two() {
+                // Every child is there: a pair for each bit that is 0.
+                let half = lanes / 2;
+                link[0] += u64::from(before == 0 || before > half);
+                link[1] += if before > 0 { u64::from((!(before - 1) & (half - 1)).count_ones()) } else { 0 };
+                continue;
+            }
+            for level in 0..self.levels() {
+                let apart = 1 << level;
+                if 2 * apart >= lanes {
+                    // The root: the right child goes on round the circle where that is no longer.
+                    link[0] += u64::from(before == 0 || before > apart);
+                } else if before > 0 && (before - 1) & apart == 0 {
+                    // Between the first lanes of two children, if there is a right one.
+                    let right = ((before - 1) | apart) & !(apart - 1);
+                    link[1] += u64::from(right < lanes);
+                }
+            }
+        }
     }
 
     /// Cycles that a ray of several chunks takes longer from the leaves to the pixel than the channel of [`ConeSpec::pixels`].

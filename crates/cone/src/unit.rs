@@ -244,7 +244,7 @@ impl<R: Reduce> ConeUnit<R> {
         pixels: &mut Channel<PixelGroup<R::Output>>,
     ) -> Activity {
         let Some(ray) = shaded.front() else {
-            return Activity::Starved;
+            return shaded.lack();
         };
         let frame = ray.frame as usize;
         if self.state.spent + 1 < self.specs[frame].ray_cycles {

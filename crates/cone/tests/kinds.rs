@@ -49,9 +49,18 @@ fn the_channel_to_the_host_is_that_of_a_folded_tree_and_what_differs() {
     let boards = Boards { count: 8, link_latency_cycles: 3, ..Boards::default() };
     let size = |kind| ConeSpec::pixels(&MachineSpec { boards, ..machine(kind, 128) }).latency;
     assert_eq!(ConeKind::ALL.map(size), [8 + 3 * 7, 15 + 3 * 7, 128 + 3 * 7, 1 + 3 * 4]);
-    let words = |kind| ConeSpec::of(&MachineSpec { boards, ..machine(kind, 128) }, 128).link_words();
+    let words = |kind, start| {
+        let mut links = [[0; 2]; 8];
+        ConeSpec::of(&MachineSpec { boards, ..machine(kind, 128) }, 128).link_words(start, &mut links);
+        links.as_flattened().iter().sum::<u64>()
+    };
     // Tree: four pairs over one link, two over two, one over four. Accumulator: 16 lanes each 0, 1, 2, 3, 4, 3, 2, 1 links away.
-    assert_eq!(ConeKind::ALL.map(words), [4 * 12, 4 * 12, 4 * 7, 4 * 16 * 16]);
+    assert_eq!(ConeKind::ALL.map(|kind| words(kind, 0)), [4 * 12, 4 * 12, 4 * 7, 4 * 16 * 16]);
+    // A lane further on, each link is between the two leaves of a pair, and a chain crosses the link at which it began. The shifter turns all
+    // leaves back by a lane: one over each link.
+    assert_eq!(ConeKind::ALL.map(|kind| words(kind, 1)), [4 * (12 + 8), 4 * (12 + 8), 4 * 8, 4 * 16 * 16]);
+    // Behind the first leaf of each board all four levels within a board cross its link.
+    assert_eq!(words(ConeKind::FoldedTree, 15), 4 * (12 + 8 * 4));
 }
 
 #[test]

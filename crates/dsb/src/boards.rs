@@ -32,6 +32,14 @@ pub struct LinkWords {
     pub all: u64,
 }
 
+impl LinkWords {
+    /// Of the words over each link, forwards and backwards.
+    pub fn of(links: &[[u64; 2]]) -> LinkWords {
+        let words = || links.iter().flatten().copied();
+        LinkWords { busiest: words().max().unwrap_or(0), all: words().sum() }
+    }
+}
+
 /// Words `x` of a beam, from `start` to before `end`, that move by the same number of lanes.
 #[derive(Clone, Copy, Debug)]
 struct Group {
@@ -125,20 +133,26 @@ impl BoardSpec {
         moves
     }
 
-    /// The words of a beam of a plane, row and depth, in a parallel view those of some ray slots, and in closed form: of words that turn
-    /// by r lanes, those cross a link that start in the r lanes before it.
-    pub fn link_words(&self, geometry: &Geometry, slots: Range<usize>, [plane, v, depth]: [usize; 3]) -> LinkWords {
-        let mut words = LinkWords::default();
+    /// The words of a beam of a plane, row and depth over each link, forwards and backwards, in a parallel view those of some ray slots; `links`
+    /// has a place for each board. In a parallel view in closed form: of words that turn by r lanes, those cross a link that start in the r
+    /// lanes before it.
+    pub fn beam_words(
+        &self,
+        geometry: &Geometry,
+        slots: Range<usize>,
+        [plane, v, depth]: [usize; 3],
+        links: &mut [[u64; 2]],
+    ) {
+        links.fill([0; 2]);
         if self.boards == 1 {
-            return words;
+            return;
         }
         if geometry.perspective.is_some() {
-            return self.hopped(&self.gathered(geometry, plane, depth));
+            return self.hopped(&self.gathered(geometry, plane, depth), links);
         }
         let groups = self.groups(geometry, slots, v, depth);
-        for board in 0..self.boards {
+        for (board, crossing) in links.iter_mut().enumerate() {
             let link = self.first_lane(board);
-            let mut crossing = [0; 2];
             for group in groups {
                 let back = self.lanes - group.turn;
                 if group.turn <= back {
@@ -147,15 +161,11 @@ impl BoardSpec {
                     crossing[1] += self.in_window(group, v + depth, link, back);
                 }
             }
-            words.busiest = words.busiest.max(crossing[0]).max(crossing[1]);
-            words.all += crossing[0] + crossing[1];
         }
-        words
     }
 
     /// The same as [`BoardSpec::walk`], from board to board.
-    fn hopped(&self, moves: &[[usize; 2]]) -> LinkWords {
-        let mut links = vec![[0_u64; 2]; self.boards];
+    fn hopped(&self, moves: &[[usize; 2]], links: &mut [[u64; 2]]) {
         for &[from, to] in moves {
             let backwards = 2 * ((to + self.lanes - from) % self.lanes) > self.lanes;
             let [mut at, end] = if backwards { [to, from] } else { [from, to] }.map(|lane| self.board(lane));
@@ -164,7 +174,6 @@ impl BoardSpec {
                 links[at][usize::from(backwards)] += 1;
             }
         }
-        LinkWords { busiest: links.iter().flatten().copied().max().unwrap_or(0), all: links.iter().flatten().sum() }
     }
 
     /// The words of a beam by how far they turn: those at and behind the column of the discrete rays, and those before it, which are
@@ -253,15 +262,15 @@ mod tests {
             let (v, depth) = (v % size[1], depth % size[2]);
             let boards = 1 + (part * lanes as f64) as usize;
             let spec = BoardSpec { boards, lanes, latency: 1 };
+            let mut links = vec![[0; 2]; boards];
             let [all, _] = geometry.slot_counts();
             let some = edges.map(|edge| edge.min(all));
             for slots in [0..all, some[0].min(some[1])..some[0].max(some[1])] {
                 let of_slots = |x: &usize| slots.contains(&slot(&geometry, *x, depth));
                 let moves = (0..size[0]).zip(spec.moves(&geometry, v, depth)).filter(|(x, _)| of_slots(x));
                 let walk = spec.walk(moves.map(|(_, lanes)| lanes));
-                let busiest = walk.iter().flatten().copied().max().unwrap();
-                let all = walk.iter().flatten().sum();
-                prop_assert_eq!(spec.link_words(&geometry, slots, [0, v, depth]), LinkWords { busiest, all });
+                spec.beam_words(&geometry, slots, [0, v, depth], &mut links);
+                prop_assert_eq!(&links, &walk);
             }
         }
 
@@ -274,7 +283,9 @@ mod tests {
             let boards = 2 + (part * (n - 1) as f64) as usize;
             let row = (plane + geometry.v.columns[depth] as usize) % n;
             let turned = rotation(&geometry, plane, depth);
-            let words = BoardSpec { boards, lanes: n, latency: 1 }.link_words(&geometry, 0..n, [0, row, depth]);
+            let mut links = vec![[0; 2]; boards];
+            BoardSpec { boards, lanes: n, latency: 1 }.beam_words(&geometry, 0..n, [0, row, depth], &mut links);
+            let words = LinkWords::of(&links);
             let each = turned.min(n - turned) as u64;
             prop_assert_eq!(words, LinkWords { busiest: each, all: boards as u64 * each });
         }
@@ -286,11 +297,10 @@ mod tests {
             let (plane, depth) = (plane % geometry.slot_counts()[1], depth % geometry.size[2]);
             let boards = 1 + (part * lanes as f64) as usize;
             let spec = BoardSpec { boards, lanes, latency: 1 };
-            let walk = spec.walk(spec.gathered(&geometry, plane, depth));
-            let busiest = walk.iter().flatten().copied().max().unwrap();
-            let all = walk.iter().flatten().sum();
+            let mut links = vec![[0; 2]; boards];
             // The row is that of the plane.
-            prop_assert_eq!(spec.link_words(&geometry, 0..0, [plane, 0, depth]), LinkWords { busiest, all });
+            spec.beam_words(&geometry, 0..0, [plane, 0, depth], &mut links);
+            prop_assert_eq!(links, spec.walk(spec.gathered(&geometry, plane, depth)));
         }
 
         #[test]

@@ -2,10 +2,11 @@
 //!
 //! ```text
 //!   [beams] ──► turn by X(k) and the skews, or gather by the fan ──► [aligned]
-//!               channels × slices; links between boards
+//!               channels × slices                words on the links between boards
 //! ```
+//! A beam leaves when its slices are over and links have room for its words; the words follow it, and the buffers wait for them.
 
-use crate::{BoardSpec, Rotator};
+use crate::{BoardSpec, LinkWords, Links, Rotator};
 use cube3_cfb::{Beam, VoxelBeam};
 use cube3_channel::{
     Account, Activity, Archive, ArchiveError, Archived, Channel, ClockDomain, Payload, Reason, Transfer,
@@ -138,6 +139,12 @@ pub struct BusUnit<B> {
     clock: ClockDomain,
     /// Whether slices or links can hold a beam longer than its lanes do, or words on links are counted.
     limited: bool,
+    /// Words of the beam in hand or sent last over each link, forwards and backwards; nothing on one board.
+    crossing: Vec<[u64; 2]>,
+    /// Whether they are those of the beam in hand.
+    counted: bool,
+    /// Whether a beam of voxels has left in this cycle.
+    sent: bool,
     wires: B,
     state: State,
     account: Account,
@@ -150,10 +157,6 @@ struct State {
     spent: u64,
     /// Its slices, where they can be too few.
     slices: Option<Transfer>,
-    /// Its words on the busiest link, where links can be too slow.
-    link: Option<Transfer>,
-    /// Words of the beam in hand on the busiest link and on all.
-    crossing: Option<[u64; 2]>,
     words: u64,
     link_words: u64,
     link_peak: u64,
@@ -163,25 +166,25 @@ impl<B: Align> BusUnit<B> {
     /// The unit's name.
     pub const NAME: &'static str = "bus";
 
-    /// A bus for the frames of these geometries. A beam takes as long as its lanes, its slices and the busiest link need.
+    /// A bus for the frames of these geometries. A beam takes as long as its lanes and its slices need.
     pub fn new<'a>(machine: &MachineSpec, geometries: impl IntoIterator<Item = &'a Geometry>, wires: B) -> BusUnit<B> {
         let clock = slice_clock(machine);
         let (ticks, cycles) = clock.ratio();
         let scarce = channels(machine) < machine.lanes || ticks < cycles;
         let boards = BoardSpec::new(machine);
-        let rate = machine.boards.link_words_per_cycle.filter(|_| boards.boards > 1);
         BusUnit {
             specs: geometries.into_iter().map(|geometry| BusSpec::new(machine, geometry)).collect(),
             boards,
             channels: channels(machine) as u64,
             clock,
             limited: scarce || boards.boards > 1,
+            crossing: vec![[0; 2]; if boards.boards > 1 { boards.boards } else { 0 }],
+            counted: false,
+            sent: false,
             wires,
             state: State {
                 spent: 0,
                 slices: scarce.then(|| Transfer::new(clock)),
-                link: rate.map(|rate| Transfer::new(ClockDomain::from_rate(rate))),
-                crossing: None,
                 words: 0,
                 link_words: 0,
                 link_peak: 0,
@@ -190,15 +193,17 @@ impl<B: Align> BusUnit<B> {
         }
     }
 
-    /// One cycle.
+    /// One cycle. `links` are those between boards as the last cycle left them, where there are several boards.
     #[inline]
     pub fn tick(
         &mut self,
         frames: &[FrameSetup],
         beams: &mut Channel<Beam<B::Input>>,
         aligned: &mut Channel<Beam<B::Output>>,
+        links: Option<&Links>,
     ) -> Activity {
-        let activity = self.step(frames, beams, aligned);
+        self.sent = false;
+        let activity = self.step(frames, beams, aligned, links);
         self.account.record(activity)
     }
 
@@ -208,6 +213,7 @@ impl<B: Align> BusUnit<B> {
         frames: &[FrameSetup],
         beams: &mut Channel<Beam<B::Input>>,
         aligned: &mut Channel<Beam<B::Output>>,
+        links: Option<&Links>,
     ) -> Activity {
         let Some(beam) = beams.front() else {
             if self.limited {
@@ -222,13 +228,17 @@ impl<B: Align> BusUnit<B> {
         if self.limited
             && let Some(v) = beam.row
         {
-            let place = [beam.plane, v, beam.depth].map(|i| i as usize);
-            let waits = self.waits(spec, &frames[frame].geometry, beam.section as usize, place);
-            if self.state.spent >= needed {
-                // The cycle in which the last words come is one of waiting, too; which resource they wait for was told before.
-                activity = Activity::Waiting(waits.unwrap_or_else(|| self.last_reason(spec)));
+            if !self.crossing.is_empty() && !self.counted {
+                let place = [beam.plane, v, beam.depth].map(|i| i as usize);
+                let slots = spec.sections.slots(beam.section as usize);
+                self.boards.beam_words(&frames[frame].geometry, slots, place, &mut self.crossing);
+                self.counted = true;
             }
-            if waits.is_some() {
+            if self.state.spent >= needed {
+                // The cycle in which the last slices come is one of waiting, too.
+                activity = Activity::Waiting(Reason::BusSlice);
+            }
+            if self.state.slices.is_some_and(|slices| !slices.completes(spec.slices)) {
                 self.carry();
                 return activity;
             }
@@ -236,6 +246,13 @@ impl<B: Align> BusUnit<B> {
         if self.state.spent + 1 < needed {
             self.carry();
             return Activity::Busy;
+        }
+        if let Some(links) = links
+            && beam.row.is_some()
+            && aligned.can_push()
+            && !links.has_room(&self.crossing)
+        {
+            return Activity::Waiting(Reason::Link);
         }
         let Some(output) = aligned.push_slot() else {
             return Activity::Blocked;
@@ -268,29 +285,10 @@ impl<B: Align> BusUnit<B> {
 }
 
 impl<B> BusUnit<B> {
-    /// What the beam in hand, of a section, a plane, its row `v` and a depth, waits for beyond this cycle: slices, or words on a link.
-    fn waits(&mut self, spec: BusSpec, geometry: &Geometry, section: usize, place: [usize; 3]) -> Option<Reason> {
-        let state = &mut self.state;
-        let boards = &self.boards;
-        let [busiest, _] = *state.crossing.get_or_insert_with(|| {
-            let words = boards.link_words(geometry, spec.sections.slots(section), place);
-            [words.busiest, words.all]
-        });
-        if state.slices.is_some_and(|slices| !slices.completes(spec.slices)) {
-            Some(Reason::BusSlice)
-        } else if state.link.is_some_and(|link| !link.completes(busiest)) {
-            Some(Reason::Link)
-        } else {
-            None
-        }
-    }
-
-    /// What the last cycle of a beam was needed for: slices, unless they were there a cycle earlier.
-    fn last_reason(&self, spec: BusSpec) -> Reason {
-        match &self.state.slices {
-            Some(slices) if !slices.completed(spec.slices) => Reason::BusSlice,
-            _ => Reason::Link,
-        }
+    /// Words over each link, forwards and backwards, of the beam that has left in this cycle, where there are links.
+    #[inline]
+    pub fn sent(&self) -> Option<&[[u64; 2]]> {
+        self.sent.then_some(&self.crossing)
     }
 
     fn carry(&mut self) {
@@ -298,20 +296,16 @@ impl<B> BusUnit<B> {
         if let Some(slices) = &mut self.state.slices {
             slices.carry();
         }
-        if let Some(link) = &mut self.state.link {
-            link.carry();
-        }
     }
 
     fn finish(&mut self, spec: BusSpec) {
-        let [busiest, all] = self.state.crossing.take().unwrap_or_default();
+        let LinkWords { busiest, all } = LinkWords::of(&self.crossing);
         self.state.link_words += all;
         self.state.link_peak = self.state.link_peak.max(busiest);
+        self.counted = false;
+        self.sent = !self.crossing.is_empty();
         if let Some(slices) = &mut self.state.slices {
             slices.finish(spec.slices);
-        }
-        if let Some(link) = &mut self.state.link {
-            link.finish(busiest);
         }
     }
 
@@ -319,9 +313,6 @@ impl<B> BusUnit<B> {
     fn rest(&mut self) {
         if let Some(slices) = &mut self.state.slices {
             slices.rest();
-        }
-        if let Some(link) = &mut self.state.link {
-            link.rest();
         }
     }
 
@@ -340,7 +331,19 @@ impl<B> BusUnit<B> {
 
 impl<B> Archived for BusUnit<B> {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let BusUnit { specs: _, boards: _, channels: _, clock: _, limited: _, wires: _, state, account } = self;
+        let BusUnit {
+            specs: _,
+            boards: _,
+            channels: _,
+            clock: _,
+            limited: _,
+            crossing: _,
+            counted: _,
+            sent: _,
+            wires: _,
+            state,
+            account,
+        } = self;
         archive.item(state)?;
         archive.item(account)
     }

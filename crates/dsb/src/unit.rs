@@ -245,7 +245,7 @@ impl<S: Store> DsbUnit<S> {
     /// What the write port does while the read port has the modules.
     fn wait_for_port(&self, aligned: &Channel<Beam<S::Input>>) -> Activity {
         match aligned.front() {
-            None => Activity::Starved,
+            None => aligned.lack(),
             Some(beam) if !self.has_buffer(beam) => Activity::Blocked,
             Some(_) => Activity::Waiting(Reason::Port),
         }
@@ -254,7 +254,7 @@ impl<S: Store> DsbUnit<S> {
     #[inline]
     fn write(&mut self, aligned: &mut Channel<Beam<S::Input>>) -> Activity {
         let Some(beam) = aligned.front() else {
-            return Activity::Starved;
+            return aligned.lack();
         };
         if !self.has_buffer(beam) {
             return Activity::Blocked;
@@ -309,7 +309,7 @@ impl<S: Store> DsbUnit<S> {
             return Activity::Busy;
         }
         let Some(pair) = rays.push_slot() else {
-            return Activity::Blocked;
+            return rays.refusal();
         };
         let below = if last { spec.closes.then_some(0) } else { Some(plane as usize + 1) };
         pair.frame = frame;

@@ -58,7 +58,7 @@ proptest! {
         let (mut taken, mut cycle) = (0, 0_u64);
         while taken < slots * frame_planes {
             dsb.tick(&mut aligned, &mut out);
-            bus.tick(std::slice::from_ref(&setup), &mut beams, &mut aligned);
+            bus.tick(std::slice::from_ref(&setup), &mut beams, &mut aligned, None);
             cfb.tick(std::slice::from_ref(&setup), 1, &mut beams);
             if cycle.is_multiple_of(slow) && let Some(pair) = out.pop_slot() {
                 let (plane, slot) = (taken / slots, taken % slots);

@@ -103,6 +103,9 @@ pub struct Boards {
     /// Words that a link carries in each direction in a pipeline cycle, above 0; any number where it is not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub link_words_per_cycle: Option<f64>,
+    /// Words at a link, in each direction, that a cycle does not carry, with which it has no room for another token's: 1 to 10⁹. The default is four of
+    /// the beams of 512 lanes that send the most, 256 words, so that a link need not rest between beams; ours.
+    pub link_capacity_words: usize,
     /// Pipeline cycles from a board to its neighbour.
     pub link_latency_cycles: u64,
 }
@@ -527,7 +530,7 @@ impl Default for Acquisition {
 
 impl Default for Boards {
     fn default() -> Self {
-        Boards { count: 1, link_words_per_cycle: None, link_latency_cycles: 1 }
+        Boards { count: 1, link_words_per_cycle: None, link_capacity_words: 1024, link_latency_cycles: 1 }
     }
 }
 
@@ -793,6 +796,8 @@ impl MachineSpec {
         clock("bus.clock_hz", self.bus.clock_hz)?;
         count("boards.count", Some(self.boards.count), self.lanes, "outside 1 to the lanes")?;
         rate("boards.link_words_per_cycle", self.boards.link_words_per_cycle)?;
+        let capacity = self.boards.link_capacity_words;
+        count("boards.link_capacity_words", Some(capacity), 1_000_000_000, "outside 1 to 10^9 words")?;
         let latency = self.boards.link_latency_cycles;
         check((1..=65536).contains(&latency), "boards.link_latency_cycles", latency.to_string(), "outside 1 to 65536")?;
         count("dsb.ports", Some(self.dsb.ports), 2, "outside 1 to 2")?;

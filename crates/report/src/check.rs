@@ -145,7 +145,7 @@ impl ResourcesReport {
 
 impl TrafficReport {
     /// Each command found its row open, closed, or another one; the reorder buffer held no more than it can, and has been given every word
-    /// that was read; the bus carried no more than it can.
+    /// that was read; bus and links carried no more than they can, and links what units sent.
     fn check(&self) -> Result<(), ReportError> {
         let inconsistent = |key, found: u64, expected: u64| {
             Err(ReportError::Inconsistent { key, found: found as f64, expected: expected as f64 })
@@ -166,6 +166,16 @@ impl TrafficReport {
         }
         if self.bus_words > self.bus_slots {
             return inconsistent("traffic.bus_words", self.bus_words, self.bus_slots);
+        }
+        for link in &self.links {
+            if let Some(slots) = link.slots.filter(|&slots| link.words > slots) {
+                return inconsistent("traffic.links.words", link.words, slots);
+            }
+        }
+        let carried: u64 = self.links.iter().map(|link| link.words).sum();
+        let sent = self.link_words + self.ray_words.iter().sum::<u64>();
+        if !self.links.is_empty() && carried != sent {
+            return inconsistent("traffic.links", carried, sent);
         }
         Ok(())
     }

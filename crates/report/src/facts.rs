@@ -132,7 +132,15 @@ pub(crate) fn traffic(traffic: &TrafficReport) -> Vec<Fact> {
     facts.push(("Bus", format!("{} words, {} of what it can", count(traffic.bus_words), percentage(used))));
     if traffic.link_words > 0 {
         let (all, peak) = (count(traffic.link_words), count(traffic.link_peak_words));
-        facts.push(("Links", format!("{all} words, at most {peak} of a beam over one")));
+        facts.push(("Links", format!("{all} words of beams, at most {peak} of a beam over one")));
+    }
+    if let Some(link) = traffic.links.iter().rev().max_by_key(|link| link.words) {
+        let (words, queued) = (count(link.words), count(link.peak_words));
+        let busy = link.slots.map_or_else(String::new, |slots| {
+            let part = percentage(link.words as f64 / slots.max(1) as f64);
+            format!(", {part} of what it can, at most {queued} queued")
+        });
+        facts.push(("Busiest link", format!("{}, {}: {words} words{busy}", link.link, link.direction)));
     }
     facts.push((
         "Host",

@@ -34,7 +34,7 @@ pub use opacity_report::{OpacityChange, OpacityReport};
 pub use png::{png_rgb8, to_rgb8};
 pub use quantity::{count, number, percentage};
 pub use resources_report::{
-    InterfaceReport, LimitWithout, LimitsReport, LinesReport, MemoryBits, MemoryTraffic, OperatorCounts,
+    InterfaceReport, LimitWithout, LimitsReport, LinesReport, LinkReport, MemoryBits, MemoryTraffic, OperatorCounts,
     OperatorsReport, ReorderTraffic, ResourcesReport, TrafficReport,
 };
 pub use run_report::{

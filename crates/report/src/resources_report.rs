@@ -126,6 +126,22 @@ pub struct LinesReport {
     pub lines: u64,
 }
 
+/// What a link between boards carried in a direction.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LinkReport {
+    /// The link: b is between boards b − 1 and b.
+    pub link: u64,
+    /// `forwards`, or `backwards` to the board before.
+    pub direction: String,
+    /// Words of beams and rays.
+    pub words: u64,
+    /// Words that it could have carried; absent where it carries any number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slots: Option<u64>,
+    /// Most words that were there at the end of a cycle.
+    pub peak_words: u64,
+}
+
 /// What went through memory, bus, links and host's port over the run.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TrafficReport {
@@ -143,8 +159,11 @@ pub struct TrafficReport {
     pub link_words: u64,
     /// Most words of one beam over one link in one direction.
     pub link_peak_words: u64,
-    /// Words of rays that cross boards on wires of their own: between interpolators, between shading units, in the cone.
+    /// Words of rays over the links: between interpolators, between shading units, in the cone.
     pub ray_words: [u64; 3],
+    /// Each link between boards in each direction; none on one board.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub links: Vec<LinkReport>,
     /// Pixels to the host.
     pub host_pixels: u64,
     /// Bytes to the host.

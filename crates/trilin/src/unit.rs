@@ -544,7 +544,7 @@ impl<I: Interpolate> TrilinUnit<I> {
                 return Activity::Busy;
             }
             let Some(output) = samples.push_slot() else {
-                return Activity::Blocked;
+                return samples.refusal();
             };
             self.state.closing = None;
             self.give(frames, [frame, plane, spec.slots - 1], output);
@@ -555,7 +555,7 @@ impl<I: Interpolate> TrilinUnit<I> {
             }
         }
         let Some(pair) = rays.front() else {
-            return activity;
+            return if activity == Activity::Starved { rays.lack() } else { activity };
         };
         let (frame, plane, slot) = (pair.frame, pair.plane, pair.slot);
         let (spec, arithmetic) = &mut self.frames[frame as usize];
@@ -564,7 +564,7 @@ impl<I: Interpolate> TrilinUnit<I> {
             return Activity::Busy;
         }
         if slot > 0 && !samples.can_push() {
-            return Activity::Blocked;
+            return samples.refusal();
         }
         let last = slot + 1 == spec.slots;
         if let Some(pair) = rays.pop_slot() {

@@ -93,6 +93,15 @@ pub fn report() -> RunReport {
             link_words: 65_536,
             link_peak_words: 31,
             ray_words: [16_384, 8_192, 4_096],
+            links: [("forwards", 50_176), ("backwards", 44_032)]
+                .map(|(direction, words)| LinkReport {
+                    link: 1,
+                    direction: direction.into(),
+                    words,
+                    slots: Some(65_536),
+                    peak_words: 97,
+                })
+                .to_vec(),
             host_pixels: 29_346,
             host_bytes: 234_768,
         }),
