@@ -4,8 +4,8 @@ use cube3::limits::{frame_interval, limits};
 use cube3::machine::{Machine, RunCounters};
 use cube3::resources::resources;
 use cube3_host::{
-    Abc, Cfb, FrameSetup, GradientMethod, HostLink, MachineSpec, RayEnds, RaySlots, Rays, Reuse, Trilin, VolumeInfo,
-    frame_setup,
+    Abc, Cfb, ControllerKind, FrameSetup, GradientMethod, HostLink, LookAheadFreed, LookAheadUnit, MachineSpec,
+    MemoryType, RayEnds, RaySlots, Rays, Reuse, Trilin, VolumeInfo, frame_setup,
 };
 use cube3_report::{OperatorCounts, ResourcesReport};
 use cube3_scene::{Scene, View};
@@ -118,6 +118,24 @@ fn mini_blocks_have_a_reorder_buffer() {
     let small = MachineSpec { cfb: Cfb { reorder_words: Some(1024), ..preset.cfb }, ..preset };
     let error = Machine::timing(&small, vec![setup(&small, n as usize)]).err().unwrap().to_string();
     assert!(error.starts_with("cfb.reorder_words = 1024 is too small for this view: a beam needs "), "{error}");
+}
+
+/// A module that chooses among its words holds those that it has been asked for.
+#[test]
+fn modules_that_choose_have_reorder_buffers() {
+    let bits = |cfb: Cfb| {
+        let machine =
+            MachineSpec { lanes: 32, cfb: Cfb { memory: MemoryType::Sdram, ..cfb }, ..MachineSpec::default() };
+        let (report, _) = count(&machine, 8);
+        report.memory.iter().find(|memory| memory.what == "reorder buffers of the modules").map(|memory| memory.bits)
+    };
+    let chooses = Cfb { controller: ControllerKind::FrFcfs, ..Cfb::default() };
+    assert_eq!(bits(Cfb::default()), None);
+    assert_eq!(bits(chooses), Some(32 * 8 * 16), "the table's look-ahead");
+    let bursts = Cfb { look_ahead: Some(4), look_ahead_unit: LookAheadUnit::Bursts, ..chooses };
+    assert_eq!(bits(bursts), Some(32 * 4 * 4 * 16), "four bursts of four words");
+    let column = Cfb { look_ahead: Some(4), look_ahead_freed: LookAheadFreed::Column, ..chooses };
+    assert_eq!(bits(column), Some(32 * 2 * 4 * 16), "four to be read, four that wait");
 }
 
 /// Section 5: 512 modules of 16 bits with a cycle of 127 ns are 8.06 GB/s, and as many samples a second as words.

@@ -410,11 +410,14 @@ impl MemoryModel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::MachineSpec;
 
     #[test]
     fn the_table_has_every_type_in_its_place_and_powers_of_two() {
         for model in MemoryModel::TABLE {
             assert_eq!(*MemoryModel::of(model.kind), model);
+            let file = format!("[cfb]\nmemory = \"{}\"\nmemory_clock_hz = 60e6", model.kind.key());
+            assert_eq!(MachineSpec::from_toml(&file, "file").unwrap().cfb.memory, model.kind);
             assert!(model.burst.is_power_of_two() && model.words_per_tick.is_power_of_two());
             assert!((1..=MemoryModel::MOST_AHEAD).contains(&model.look_ahead));
             assert!(model.burst_lengths.contains(&model.burst));
@@ -438,5 +441,22 @@ mod tests {
         assert_eq!(Span { picoseconds: 7_812_500, ..ticks(0) }.floor(133e6, 4), 1039);
         // Write recovery counts from the last word of a burst.
         assert_eq!([1, 4, 8].map(|burst| ns(15).behind_burst().ceil(133e6, burst)), [2, 5, 9]);
+    }
+
+    #[test]
+    fn a_machine_sets_bursts_and_look_ahead_and_what_is_held_follows() {
+        let cfb = Cfb { memory: MemoryType::Sdram, ..Cfb::default() };
+        assert_eq!((MemoryModel::of_machine(&cfb), MemoryModel::words_held(&cfb)), (SDRAM, 8));
+        let long = Cfb { burst_words: Some(8), look_ahead: Some(16), look_ahead_unit: LookAheadUnit::Bursts, ..cfb };
+        let model = MemoryModel::of_machine(&long);
+        assert_eq!((model.burst, model.look_ahead, model.burst_ticks()), (8, 16, 8));
+        assert_eq!(MemoryModel::words_held(&long), 16 * 8);
+        let column = Cfb { look_ahead_freed: LookAheadFreed::Column, ..long };
+        assert_eq!(MemoryModel::words_held(&column), 2 * 16 * 8);
+        let hbm = Cfb { memory: MemoryType::Hbm, ..Cfb::default() };
+        let model = MemoryModel::of_machine(&hbm);
+        assert_eq!((model.burst_order, model.burst_ticks()), (None, 2));
+        let sequential = Cfb { burst_order: Some(BurstOrder::Sequential), ..cfb };
+        assert_eq!(MemoryModel::of_machine(&sequential).burst_order, Some(BurstOrder::Sequential));
     }
 }

@@ -74,8 +74,8 @@ fn stream_by_tick(timing: &Timing, addresses: impl Iterator<Item = u64>) -> i64 
             queue.pop_front();
         }
         let (mut claimed, mut read) = (0_u32, false);
-        for i in 0..queue.len() {
-            let Place { bank, row, .. } = queue[i];
+        for (i, &at) in queue.iter().enumerate() {
+            let Place { bank, row, .. } = at;
             let command = match module.open_row(bank) {
                 open if open == row => Command::Read,
                 CLOSED => Command::Activate,
@@ -90,7 +90,7 @@ fn stream_by_tick(timing: &Timing, addresses: impl Iterator<Item = u64>) -> i64 
             match command {
                 Command::Read => {
                     let column = Column { tick, opened: false, refresh_until: tick };
-                    leaving.push_back(module.read_out(timing, queue[i], &column).ready);
+                    leaving.push_back(module.read_out(timing, at, &column).ready);
                 }
                 Command::Activate => module.set_row(bank, row),
                 _ => module.set_row(bank, CLOSED),

@@ -2,7 +2,7 @@
 
 use super::{MemoryCounters, Module, Timing};
 use Command::{Activate, Precharge, Read, Refresh, Write};
-use cube3_host::{Command, Constraint, MemoryModel, MemoryType, Scope};
+use cube3_host::{BurstOrder, Command, Constraint, MemoryModel, MemoryType, Scope};
 use proptest::prelude::*;
 
 fn timing(kind: MemoryType) -> Timing {
@@ -152,6 +152,55 @@ fn a_word_comes_the_latency_behind_its_read_and_the_burst_behind_it() {
     let commands: Vec<_> = module.log.iter().map(|&(command, _, tick)| (command, tick)).collect();
     assert_eq!(commands, [(Activate, 0), (Read, 3), (Read, 7)]);
     assert_eq!((counters.words, counters.reads, counters.row_misses, counters.row_hits), (6, 2, 1, 1));
+}
+
+#[test]
+fn a_burst_starts_at_the_word_asked_for_interleaved_or_in_sequence() {
+    let from = |order, burst, start: u64| -> Vec<i64> {
+        let model = MemoryModel { burst, burst_order: order, ..*MemoryModel::of(MemoryType::Sdram) };
+        let timing = Timing::new(&model, 133e6);
+        let (mut module, mut counters) = (Module::new(&timing), MemoryCounters::default());
+        module.read(&timing, timing.place(start), 0, &mut counters);
+        (0..burst as u64).map(|a| module.read(&timing, timing.place(a), 0, &mut counters).ready - 6).collect()
+    };
+    let [interleaved, sequential] = [BurstOrder::Interleaved, BurstOrder::Sequential].map(Some);
+    // The place of words 0, 1, 2, …; Micron's burst definition lists the words by place: 3-2-1-0 and 3-0-1-2, 5-4-7-6-1-0-3-2 and 5-6-7-0-1-2-3-4.
+    assert_eq!(from(interleaved, 4, 3), [3, 2, 1, 0]);
+    assert_eq!(from(sequential, 4, 3), [1, 2, 3, 0]);
+    assert_eq!(from(interleaved, 8, 5), [5, 4, 7, 6, 1, 0, 3, 2]);
+    assert_eq!(from(sequential, 8, 5), [3, 4, 5, 6, 7, 0, 1, 2]);
+    assert_eq!(from(None, 4, 3), [0, 1, 2, 3], "from its first word");
+}
+
+#[test]
+fn sdram_keeps_to_its_data_sheet_in_bursts_of_every_length() {
+    for burst in [1, 2, 4, 8] {
+        let model = MemoryModel { burst, ..*MemoryModel::of(MemoryType::Sdram) };
+        let timing = Timing::new(&model, 133e6);
+        let words = burst as i64;
+        // tCCD of a tick and the burst; CL 3 and a tick to turn round; tCDL; PRE CL − 1 before the last word; tWR 2 from the last word.
+        let spans = [(Read, Read, words), (Read, Write, words + 4), (Write, Read, words), (Write, Write, words)];
+        for (from, to, ticks) in spans.into_iter().chain([(Read, Precharge, words), (Write, Precharge, words + 1)]) {
+            let mut module = Module::new(&timing);
+            module.issue(&timing, from, 0, 1000, 0);
+            assert!(!module.ready(&timing, to, 0, 1000 + ticks - 1), "{from:?} to {to:?}, {burst} words");
+            assert!(module.ready(&timing, to, 0, 1000 + ticks), "{from:?} to {to:?}, {burst} words");
+        }
+    }
+}
+
+#[test]
+fn an_activate_goes_into_a_gap_that_keeps_its_distance_on_both_sides() {
+    let timing = timing(MemoryType::Sdram);
+    let mut module = Module::new(&timing);
+    module.issue(&timing, Activate, 0, 1000, 0);
+    module.issue(&timing, Activate, 1, 1004, 0);
+    // tRRD of 2 from both.
+    let ready: Vec<i64> = (1001..1008).filter(|&tick| module.ready(&timing, Activate, 2, tick)).collect();
+    assert_eq!(ready, [1002, 1006, 1007]);
+    module.issue(&timing, Activate, 2, 1002, 0);
+    assert!(!module.ready(&timing, Activate, 3, 1003) && module.ready(&timing, Activate, 3, 1006));
+    assert!(module.ready(&timing, Activate, 3, 998), "before all of them");
 }
 
 #[test]
