@@ -56,6 +56,8 @@ impl RayWords {
 /// Words of a ray of a frame over each link, forwards and backwards.
 #[derive(Clone, Debug)]
 struct RayLinks {
+    /// Rays of the frame.
+    rays: u64,
     trilin: Vec<[u64; 2]>,
     abc: Vec<[u64; 2]>,
     /// The cone's depend on the lane at which a ray begins.
@@ -71,7 +73,32 @@ impl RayLinks {
         let trilin = if setup.geometry.doubled() { [0, 4 * chunks] } else { [2 * chunks; 2] };
         // A sample crosses a link once, for all lanes that read it.
         let abc = frame_reach(setup) as u64 * chunks;
-        RayLinks { trilin: vec![trilin; boards], abc: vec![[abc; 2]; boards], cone: ConeSpec::new(machine, setup) }
+        let rays = setup.geometry.slot_counts().iter().map(|&count| count as u64).product();
+        RayLinks {
+            rays,
+            trilin: vec![trilin; boards],
+            abc: vec![[abc; 2]; boards],
+            cone: ConeSpec::new(machine, setup),
+        }
+    }
+}
+
+/// The next ray of a unit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct Next {
+    frame: usize,
+    /// Rays of the frame before it.
+    sent: u64,
+}
+
+impl Next {
+    /// Goes on to the ray behind it.
+    #[inline]
+    fn advance(&mut self, frames: &[RayLinks]) {
+        self.sent += 1;
+        if self.sent == frames[self.frame].rays && self.frame + 1 < frames.len() {
+            *self = Next { frame: self.frame + 1, sent: 0 };
+        }
     }
 }
 
@@ -81,8 +108,10 @@ pub(crate) struct Traffic {
     links: Links,
     frames: Vec<RayLinks>,
     lanes: usize,
-    /// For each link and direction whether any ray of any frame needs it: in TRILIN, ABC and cone.
-    needed: [Vec<[u64; 2]>; 3],
+    /// Which ray comes next of those that TRILIN and the ABC units need words for.
+    next: [Next; 2],
+    /// For each link and direction whether the nodes of any ray cross it.
+    nodes_cross: Vec<[u64; 2]>,
     /// Nodes of a ray: their memory.
     nodes: Vec<[u64; 2]>,
 }
@@ -93,22 +122,15 @@ impl Traffic {
         let links = Links::new(machine)?;
         let frames: Vec<RayLinks> = frames.iter().map(|setup| RayLinks::new(machine, setup)).collect();
         let mut nodes = vec![[0; 2]; machine.boards.count];
-        let mut needed: [Vec<[u64; 2]>; 3] = std::array::from_fn(|_| nodes.clone());
-        let join = |needed: &mut [[u64; 2]], words: &[[u64; 2]]| {
-            needed.iter_mut().flatten().zip(words.iter().flatten()).for_each(|(needed, words)| *needed |= words);
-        };
-        for frame in &frames {
-            join(&mut needed[0], &frame.trilin);
-            join(&mut needed[1], &frame.abc);
+        let mut nodes_cross = nodes.clone();
+        // All rays begin somewhere on the circle, and all cones of a machine are alike but for the chunks: the links are those of any frame.
+        let cone = ConeSpec::of(machine, machine.lanes);
+        for start in 0..machine.lanes {
+            cone.link_words(start, &mut nodes);
+            let words = nodes.iter().flatten();
+            nodes_cross.iter_mut().flatten().zip(words).for_each(|(cross, words)| *cross |= words);
         }
-        // All cones of a machine are alike but for the chunks: one of two crosses every link that one of more does.
-        if let Some(cone) = frames.iter().map(|frame| frame.cone).max_by_key(|cone| cone.chunks) {
-            for start in 0..machine.lanes {
-                cone.link_words(start, &mut nodes);
-                join(&mut needed[2], &nodes);
-            }
-        }
-        Some(Traffic { links, frames, lanes: machine.lanes, needed, nodes })
+        Some(Traffic { links, frames, lanes: machine.lanes, next: Default::default(), nodes_cross, nodes })
     }
 
     /// The links as the last cycle left them.
@@ -132,7 +154,7 @@ impl Traffic {
         samples: &mut Channel<SampleRay<C>>,
         shaded: &mut Channel<ShadedRay<D>>,
     ) {
-        let Traffic { links, frames, lanes, needed, nodes } = self;
+        let Traffic { links, frames, lanes, next, nodes_cross, nodes } = self;
         links.carry();
         if let Some(ray) = shaded.pushed() {
             frames[ray.frame as usize].cone.link_words(ray.slot as usize % *lanes, nodes);
@@ -140,22 +162,25 @@ impl Traffic {
         }
         if let Some(ray) = samples.pushed() {
             samples.delay(links.put(&frames[ray.frame as usize].abc));
+            next[1].advance(frames);
         }
         if let Some(ray) = rays.pushed() {
             rays.delay(links.put(&frames[ray.frame as usize].trilin));
+            next[0].advance(frames);
         }
         if let Some(words) = beam {
             aligned.delay(links.put(words));
         }
-        rays.shut(!links.has_room(&needed[0]));
-        samples.shut(!links.has_room(&needed[1]));
-        shaded.shut(!links.has_room(&needed[2]));
+        rays.shut(!links.has_room(&frames[next[0].frame].trilin));
+        samples.shut(!links.has_room(&frames[next[1].frame].abc));
+        shaded.shut(!links.has_room(nodes_cross));
     }
 }
 
 impl Archived for Traffic {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let Traffic { links, frames: _, lanes: _, needed: _, nodes: _ } = self;
+        let Traffic { links, frames: _, lanes: _, next, nodes_cross: _, nodes: _ } = self;
+        archive.item(next)?;
         links.archive(archive)
     }
 }

@@ -376,3 +376,53 @@ fn a_machine_that_its_links_limit_names_the_link() {
     assert_eq!(found.critical, "pipeline");
     assert!(!found.sentence.contains("busy"), "{}", found.sentence);
 }
+
+/// The book's table of eight boards at 512³: words over each link, and frames a second by the width of the links.
+#[test]
+#[ignore = "prints the book's table; a minute or two"]
+fn eight_boards_at_512() {
+    let preset = cube3::inputs::machine("cube3-512").unwrap();
+    let slope = |degrees: f64| degrees.to_radians().tan();
+    let straight = |axis: usize| {
+        let mut direction = [1e-6; 3];
+        direction[axis] = 1.0;
+        View::from_direction(direction, None)
+    };
+    let tilted = |du, dv| View::from_direction([slope(du), slope(dv), 1.0], None);
+    let far = Perspective { eye_voxel: Some([255.5, 255.5, -700.0]), ..Perspective::new(40.0) };
+    let views = [
+        ("along x", straight(0)),
+        ("along y", straight(1)),
+        ("along z", straight(2)),
+        ("slopes of 7° and 0°", tilted(7.0, 0.0)),
+        ("30° and 7°", tilted(30.0, 7.0)),
+        ("45° and 20°", tilted(45.0, 20.0)),
+        ("45° and 45°", tilted(45.0, 45.0)),
+        ("eye 700 voxels before it", View { perspective: Some(far), ..straight(2) }),
+    ];
+    for (name, view) in views {
+        let mut machine = preset.clone();
+        let passes = passes(&mut machine, view.clone(), [512; 3]);
+        let counters = run(&machine, passes.clone());
+        let per = |words: u64, tokens: u64| words as f64 / (8 * tokens) as f64;
+        let rays = counters.ray_words;
+        let busiest = cube3::limits::busiest_link(&counters.links).unwrap();
+        print!(
+            "| {name} | {:.1} | {} | {:.1}, {:.1}, {:.1} | {} {}: {:.1} |",
+            per(counters.bus.link_words, counters.beams),
+            counters.bus.link_peak,
+            per(rays.trilin, counters.ray_slots),
+            per(rays.abc, counters.ray_slots),
+            per(rays.cone, counters.ray_slots),
+            busiest.link,
+            busiest.direction(),
+            busiest.words as f64 / counters.ray_slots as f64,
+        );
+        for width in [None, Some(288.0), Some(256.0), Some(192.0), Some(128.0), Some(64.0), Some(32.0)] {
+            machine.boards.link_words_per_cycle = width;
+            let interval = frame_interval(&machine, &passes).unwrap();
+            print!(" {:.1} |", machine.clock_hz / interval as f64);
+        }
+        println!();
+    }
+}
