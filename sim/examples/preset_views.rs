@@ -22,7 +22,7 @@ fn direction(i: usize, views: usize) -> [f64; 3] {
     [radius * turn.cos(), radius * turn.sin(), z]
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> cube3::problem::Outcome<()> {
     let mut words = std::env::args().skip(1);
     let views: usize = words.next().map_or(Ok(50), |word| word.parse())?;
     let asked: Vec<String> = words.collect();
