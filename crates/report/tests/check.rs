@@ -2,7 +2,7 @@
 
 mod sample;
 
-use cube3_report::{ReportError, TimingCounts, TimingReport};
+use cube3_report::{ReorderTraffic, ReportError, RunReport, TimingCounts, TimingReport};
 use proptest::prelude::*;
 
 #[test]
@@ -29,7 +29,9 @@ fn a_lost_cycle_is_found_whatever_its_kind() {
 
 #[test]
 fn a_reorder_buffer_holds_no_more_than_it_can_and_all_that_was_read() {
-    let buffer = |report: &mut cube3_report::RunReport| report.traffic.as_mut().unwrap().reorder.as_mut().unwrap();
+    fn buffer(report: &mut RunReport) -> &mut ReorderTraffic {
+        report.traffic.as_mut().unwrap().reorder.as_mut().unwrap()
+    }
     let mut full = sample::report();
     buffer(&mut full).peak_words = buffer(&mut full).words + 1;
     assert!(full.check().unwrap_err().to_string().contains("traffic.reorder.peak_words"));
