@@ -168,21 +168,23 @@ impl Standing {
     }
 }
 
-/// The identity of a channel's token.
+/// The identity of a channel's token, of these frames.
 trait Identity {
-    fn token(&self) -> Token;
+    fn token(&self, frames: &[FrameSetup]) -> Token;
 }
 
 impl<D> Identity for Beam<D> {
-    fn token(&self) -> Token {
-        Token { frame: self.frame, plane: self.plane, place: self.depth }
+    fn token(&self, frames: &[FrameSetup]) -> Token {
+        // Pieces of a beam come with their sections.
+        let planes = frames.get(self.frame as usize).map_or(0, |setup| setup.geometry.slot_counts()[1]);
+        Token { frame: self.frame, plane: self.section * planes as u32 + self.plane, place: self.depth }
     }
 }
 
 macro_rules! ray_identity {
     ($($token:ident),*) => {
         $(impl<D> Identity for $token<D> {
-            fn token(&self) -> Token {
+            fn token(&self, _: &[FrameSetup]) -> Token {
                 Token { frame: self.frame, plane: self.plane, place: self.slot }
             }
         })*
@@ -418,18 +420,34 @@ impl<F: Fidelity> Machine<F> {
     #[inline]
     pub fn newest(&self) -> [(ChannelCounters, Option<Token>); CHANNELS] {
         #[inline]
-        fn of<T: Identity>(channel: &Channel<T>) -> (ChannelCounters, Option<Token>) {
-            (channel.counters(), channel.newest().map(Identity::token))
+        fn of<T: Identity>(channel: &Channel<T>, frames: &[FrameSetup]) -> (ChannelCounters, Option<Token>) {
+            (channel.counters(), channel.newest().map(|token| token.token(frames)))
         }
-        [of(&self.beams), of(&self.aligned), of(&self.rays), of(&self.samples), of(&self.shaded), of(&self.pixels)]
+        let Machine { frames, beams, aligned, rays, samples, shaded, pixels, .. } = self;
+        [
+            of(beams, frames),
+            of(aligned, frames),
+            of(rays, frames),
+            of(samples, frames),
+            of(shaded, frames),
+            of(pixels, frames),
+        ]
     }
 
     /// The tokens in each channel, oldest first, each with the cycles until it can be popped.
     pub fn held(&self) -> [Vec<(Token, u64)>; CHANNELS] {
-        fn of<T: Identity>(channel: &Channel<T>) -> Vec<(Token, u64)> {
-            channel.held().map(|(token, cycles)| (token.token(), cycles)).collect()
+        fn of<T: Identity>(channel: &Channel<T>, frames: &[FrameSetup]) -> Vec<(Token, u64)> {
+            channel.held().map(|(token, cycles)| (token.token(frames), cycles)).collect()
         }
-        [of(&self.beams), of(&self.aligned), of(&self.rays), of(&self.samples), of(&self.shaded), of(&self.pixels)]
+        let Machine { frames, beams, aligned, rays, samples, shaded, pixels, .. } = self;
+        [
+            of(beams, frames),
+            of(aligned, frames),
+            of(rays, frames),
+            of(samples, frames),
+            of(shaded, frames),
+            of(pixels, frames),
+        ]
     }
 
     /// Cycles that tokens of each frame take longer in a channel than its latency: those of a cone that turns.

@@ -18,7 +18,7 @@ pub use recording::{Events, Format, Recorder, Recording, TraceError, Track, Wind
 pub struct Token {
     /// Frame, from 0.
     pub frame: u32,
-    /// Plane of ray slots.
+    /// Plane of ray slots; of a beam counted over all sections of its frame.
     pub plane: u32,
     /// A beam's depth, or a ray's slot.
     pub place: u32,
