@@ -69,23 +69,24 @@ module cube3_cfb #(
     wire [35:0] sum = 36'(A) * (wide_x / 36'(SIDE)) + 36'(B) * (wide_y / 36'(SIDE)) + 36'(C) * (wide_z / 36'(SIDE));
     assign module_number = 12'(sum % 36'(LANES));
 
-    // Which of its module's words of a row the voxel is.
-    wire [35:0] word = wide_x / 36'(LANES) * 36'(DEPTH) + wide_x % 36'(LANES) / 36'(SPREAD);
-
     generate
         if (BLOCKS == 2) begin : mini_blocks
             // Blocks along x and y.
             localparam integer MX = (NX + 2 * LANES - 1) / (2 * LANES);
             localparam integer MY = (NY + 7) / 8;
-            wire [35:0] number = wide_x / 36'(2 * LANES) + 36'(MX) * (wide_y / 36'd8 + 36'(MY) * (wide_z / 36'd8));
+            wire [28:0] number = 29'(wide_x / 36'(2 * LANES) + 36'(MX) * (wide_y / 36'd8 + 36'(MY) * (wide_z / 36'd8)));
             // Of a block a module has 4 x 4 mini-blocks along y and z.
-            assign address = {number[28:0], z[2:1], y[2:1], z[0], y[0], x[0]};
-        end else if (BLOCKS == 1) begin : blocks
-            wire [35:0] block = word / 36'(BX) + 36'(CX) * (wide_y / 36'(BY) + 36'(CY) * (wide_z / 36'(BZ)));
-            wire [35:0] inner = word % 36'(BX) + 36'(BX) * (wide_y % 36'(BY) + 36'(BY) * (wide_z % 36'(BZ)));
-            assign address = block * 36'(BLOCK) + inner;
-        end else begin : rows
-            assign address = word + 36'(EX) * (wide_y + 36'(NY) * wide_z);
+            assign address = {number, z[2:1], y[2:1], z[0], y[0], x[0]};
+        end else begin : words
+            // Which of its module's words of a row the voxel is.
+            wire [35:0] word = wide_x / 36'(LANES) * 36'(DEPTH) + wide_x % 36'(LANES) / 36'(SPREAD);
+            if (BLOCKS == 1) begin : blocks
+                wire [35:0] block = word / 36'(BX) + 36'(CX) * (wide_y / 36'(BY) + 36'(CY) * (wide_z / 36'(BZ)));
+                wire [35:0] inner = word % 36'(BX) + 36'(BX) * (wide_y % 36'(BY) + 36'(BY) * (wide_z % 36'(BZ)));
+                assign address = block * 36'(BLOCK) + inner;
+            end else begin : rows
+                assign address = word + 36'(EX) * (wide_y + 36'(NY) * wide_z);
+            end
         end
     endgenerate
 endmodule
