@@ -1,7 +1,9 @@
 //! Modules that read mini-blocks, against a reorder buffer written from its rules voxel by voxel; and what closed forms say of both.
 
 use cube3_cfb::golden::{Placement, Skew};
-use cube3_cfb::memory::{MemoryCounters, Module, Place, ReorderCounters, ReorderNeed, Served, Supply, Timing};
+use cube3_cfb::memory::{
+    MemoryCounters, Module, Place, ReorderCounters, ReorderNeed, Served, Supply, Timing, edge_words,
+};
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, NoVoxels, scan};
 use cube3_channel::{Account, Activity, Channel, ClockDomain, Reason};
 use cube3_host::{
@@ -96,33 +98,39 @@ struct Stay {
     last: usize,
 }
 
+/// Frame, section and place across the beams of a row of mini-blocks.
+type RowKey = [usize; 4];
+
+fn row_of(setups: &[FrameSetup], beam: &NaiveBeam, mini: [usize; 3]) -> RowKey {
+    let axis = setups[beam.frame].geometry.axes.axis;
+    [beam.frame, beam.section, mini[axis[1]], mini[axis[2]]]
+}
+
+/// The mini-blocks of each row that a section uses, in the order of slots: those of the nearer depth begin first.
+fn naive_touched(setups: &[FrameSetup], beams: &[NaiveBeam]) -> HashMap<RowKey, Vec<[usize; 3]>> {
+    let mut by_depth: HashMap<RowKey, BTreeMap<u32, Vec<[usize; 3]>>> = HashMap::new();
+    for beam in beams {
+        for row in beam.rows.iter().flatten() {
+            by_depth.entry(row_of(setups, beam, row[0])).or_default().entry(beam.depth).or_insert_with(|| row.clone());
+        }
+    }
+    let in_order = |depths: BTreeMap<u32, Vec<[usize; 3]>>| {
+        let mut met = HashSet::new();
+        depths.into_values().flatten().filter(|&mini| met.insert(mini)).collect()
+    };
+    by_depth.into_iter().map(|(key, depths)| (key, in_order(depths))).collect()
+}
+
 /// The stays in the order in which they begin, from sets of mini-blocks: a stay goes on as long as the same plane or the next uses it. What
 /// the section before has had of the row is not brought again; what goes on from the row's end to its start are two stays.
 fn naive_stays(setups: &[FrameSetup], beams: &[NaiveBeam]) -> Vec<Stay> {
-    let row_of = |beam: &NaiveBeam, mini: [usize; 3]| {
-        let axis = setups[beam.frame].geometry.axes.axis;
-        [beam.frame, beam.section, mini[axis[1]], mini[axis[2]]]
-    };
-    let mut by_depth: HashMap<[usize; 4], BTreeMap<u32, Vec<[usize; 3]>>> = HashMap::new();
-    for beam in beams {
-        for row in beam.rows.iter().flatten() {
-            by_depth.entry(row_of(beam, row[0])).or_default().entry(beam.depth).or_insert_with(|| row.clone());
-        }
-    }
-    // In the order of slots: those of the nearer depth begin first.
-    let touched: HashMap<[usize; 4], Vec<[usize; 3]>> = by_depth
-        .into_iter()
-        .map(|(key, depths)| {
-            let mut met = HashSet::new();
-            (key, depths.into_values().flatten().filter(|&mini| met.insert(mini)).collect())
-        })
-        .collect();
+    let touched = naive_touched(setups, beams);
     let mut stays: Vec<Stay> = Vec::new();
     // By row: its stays, and the last plane that has used them.
-    let mut here: HashMap<[usize; 4], (Vec<usize>, u32)> = HashMap::new();
+    let mut here: HashMap<RowKey, (Vec<usize>, u32)> = HashMap::new();
     for (at, beam) in beams.iter().enumerate() {
         for row in beam.rows.iter().flatten() {
-            let key = row_of(beam, row[0]);
+            let key = row_of(setups, beam, row[0]);
             let before = key[1].checked_sub(1).and_then(|section| touched.get(&[key[0], section, key[2], key[3]]));
             let (current, last_plane) = here.entry(key).or_insert((Vec::new(), u32::MAX));
             if *last_plane == u32::MAX || beam.plane > *last_plane + 1 {
@@ -405,7 +413,17 @@ proptest! {
             return Ok(());
         }
         let minis = |stays: &[Stay]| stays.iter().map(|stay| stay.minis.len()).sum::<usize>();
-        let in_sections = naive_stays(&setups[..1], &naive_beams(&machine, &setups[..1]));
+        let beams = naive_beams(&machine, &setups[..1]);
+        let in_sections = naive_stays(&setups[..1], &beams);
+        // What a section uses that the section before has brought is kept beside the chip.
+        let touched = naive_touched(&setups[..1], &beams);
+        let mut kept = HashMap::new();
+        for (&[frame, section, j, k], minis) in touched.iter().filter(|(key, _)| key[1] > 0) {
+            let before = touched.get(&[frame, section - 1, j, k]);
+            let both = minis.iter().filter(|mini| before.is_some_and(|before| before.contains(mini)));
+            *kept.entry(section).or_insert(0) += 8 * both.count() as u64;
+        }
+        prop_assert_eq!(edge_words(&machine, &setups[0].geometry), kept.into_values().max().unwrap_or(0));
         machine.rays.section = None;
         let stays = naive_stays(&setups[..1], &naive_beams(&machine, &setups[..1]));
         let mut reads: HashMap<[usize; 3], usize> = HashMap::new();
