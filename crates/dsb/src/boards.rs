@@ -151,6 +151,14 @@ impl BoardSpec {
             return self.hopped(&self.gathered(geometry, plane, depth), links);
         }
         let groups = self.groups(geometry, slots, v, depth);
+        let words: usize = groups.iter().map(|group| group.end - group.start).sum();
+        if geometry.size[0].is_multiple_of(self.lanes) && words.is_multiple_of(self.lanes) {
+            // Neighbours in neighbouring lanes, over the row's end too: as many start in each lane, and all turn alike.
+            let (turn, back) = (groups[0].turn, self.lanes - groups[0].turn);
+            let each = (words / self.lanes * turn.min(back)) as u64;
+            links.fill(if turn <= back { [each, 0] } else { [0, each] });
+            return;
+        }
         for (board, crossing) in links.iter_mut().enumerate() {
             let link = self.first_lane(board);
             for group in groups {

@@ -24,6 +24,8 @@ pub struct Links {
     /// With so many words that the cycle does not carry a link has no room for a token.
     capacity: u64,
     state: State,
+    /// Words put on each link, forwards and backwards.
+    put: Vec<[u64; 2]>,
     queues: Vec<[Queue; 2]>,
 }
 
@@ -42,7 +44,6 @@ struct State {
 struct Queue {
     /// Ticks after which it is empty.
     end: u64,
-    put: u64,
     peak: u64,
 }
 
@@ -82,6 +83,7 @@ impl Links {
             rate,
             capacity: machine.boards.link_capacity_words as u64,
             state: State { clock: rate.unwrap_or(ClockDomain::from_ratio(1, 1)), now: 0, latest: 0 },
+            put: vec![[0; 2]; boards],
             queues: vec![Default::default(); boards],
         })
     }
@@ -102,15 +104,16 @@ impl Links {
     /// later than the next cycle.
     #[inline]
     pub fn put(&mut self, words: &[[u64; 2]]) -> u64 {
-        let queues = self.queues.iter_mut().flatten().zip(words.iter().flatten());
-        let Some(_) = self.rate else {
-            queues.for_each(|(queue, words)| queue.put += words);
+        for (put, words) in self.put.iter_mut().zip(words) {
+            put[0] += words[0];
+            put[1] += words[1];
+        }
+        if self.rate.is_none() {
             return 0;
-        };
+        }
         let State { clock, now, latest } = &mut self.state;
         let mut last = *now;
-        for (queue, &words) in queues {
-            queue.put += words;
+        for (queue, &words) in self.queues.iter_mut().flatten().zip(words.iter().flatten()) {
             let end = queue.end.max(*now) + words;
             queue.end = end;
             queue.peak = queue.peak.max(end - *now);
@@ -139,9 +142,9 @@ impl Links {
     /// Each link, forwards and backwards.
     pub fn readings(&self) -> Vec<LinkReading> {
         let reading = |link: usize, backwards: usize| {
-            let Queue { end, put, peak } = self.queues[link][backwards];
+            let Queue { end, peak } = self.queues[link][backwards];
             let waiting = end.saturating_sub(self.state.now);
-            LinkReading { link, backwards: backwards == 1, words: put, waiting, peak }
+            LinkReading { link, backwards: backwards == 1, words: self.put[link][backwards], waiting, peak }
         };
         (0..self.queues.len()).flat_map(|link| [reading(link, 0), reading(link, 1)]).collect()
     }
@@ -149,8 +152,9 @@ impl Links {
 
 impl Archived for Links {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let Links { rate: _, capacity: _, state, queues } = self;
+        let Links { rate: _, capacity: _, state, put, queues } = self;
         archive.item(state)?;
+        archive.list(put)?;
         archive.list(queues)
     }
 }
