@@ -3,7 +3,7 @@
 use super::{Chooser, MemoryCounters, Module, Served, Timing};
 use crate::golden::{Placement, Skew};
 use crate::unit::{CfbSpec, Scan};
-use cube3_channel::{Activity, ClockDomain, Reason};
+use cube3_channel::{Activity, ClockDomain};
 use cube3_host::{
     ControllerKind, FrameSetup, Geometry, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryModel, MemoryType,
 };
@@ -241,20 +241,9 @@ impl MemoryState {
         if missing == 0 && served.ready < self.next {
             return None;
         }
-        let tick = self.next - 1;
-        let mut until = [served.refresh_until, served.row_until];
-        if missing > 0 {
-            for waits in self.choosers.iter().filter_map(|chooser| chooser.waits(self.taken)) {
-                until = [0, 1].map(|i| until[i].max(waits[i]));
-            }
-        }
-        Some(if tick < until[0] {
-            Activity::Waiting(Reason::Refresh)
-        } else if tick < until[1] {
-            Activity::Waiting(Reason::MemoryRow)
-        } else {
-            Activity::Busy
-        })
+        let held = self.choosers.iter().filter_map(|chooser| chooser.waits(self.taken));
+        let served = if missing > 0 { held.fold(served, Served::and) } else { served };
+        Some(served.activity(self.next - 1))
     }
 
     /// Takes the words of the step.

@@ -14,7 +14,7 @@ use super::rows::{At, ReorderNeed, along, number, of_voxels, pair, words_of};
 use super::{MemoryCounters, Module, Place, Served, Timing};
 use crate::golden::{Placement, Skew};
 use crate::unit::{CfbSpec, Scan};
-use cube3_channel::{Activity, ClockDomain, Reason};
+use cube3_channel::{Activity, ClockDomain};
 use cube3_host::{FrameSetup, Geometry, Layout, LookAheadFreed, LookAheadUnit, MachineSpec};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -413,7 +413,7 @@ impl BlockModules {
                 }
             }
         }
-        waiting.map(|served| activity(served, state.next - 1))
+        waiting.map(|served| served.activity(state.next - 1))
     }
 
     /// What is waited for, of the mini-blocks of a row from number `first` to number `last`.
@@ -504,17 +504,6 @@ pub fn reorder_words(machine: &MachineSpec, frames: &[FrameSetup]) -> Result<u64
         return Err(ReorderError { words, least: most.least, steady: most.steady });
     }
     Ok(words)
-}
-
-/// What a cycle whose last tick is `tick` counts as.
-fn activity(served: Served, tick: i64) -> Activity {
-    if tick < served.refresh_until {
-        Activity::Waiting(Reason::Refresh)
-    } else if tick < served.row_until {
-        Activity::Waiting(Reason::MemoryRow)
-    } else {
-        Activity::Busy
-    }
 }
 
 impl BlockState {

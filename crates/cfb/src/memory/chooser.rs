@@ -181,10 +181,10 @@ impl Chooser {
         }
     }
 
-    /// Until when at least a refresh, and until when a row, holds the word of a step that has no read yet.
-    pub fn waits(&self, step: u64) -> Option<[i64; 2]> {
-        let word = self.queue.iter().find(|word| word.step == step)?;
-        let row = if self.module.open_row(word.bank) == word.row { NEVER } else { i64::MAX };
-        Some([word.refresh_until, row])
+    /// What holds the word of a step that has no read yet.
+    pub fn waits(&self, step: u64) -> Option<Served> {
+        let &Word { bank, row, refresh_until, .. } = self.queue.iter().find(|word| word.step == step)?;
+        let row_until = if self.module.open_row(bank) == row { NEVER } else { i64::MAX };
+        Some(Served { refresh_until, row_until, ..Served::AT_ONCE })
     }
 }

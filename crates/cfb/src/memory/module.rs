@@ -8,6 +8,7 @@
 use super::activates::Activates;
 use super::bus::Bus;
 use super::{MemoryCounters, Place, Timing};
+use cube3_channel::{Activity, Reason};
 use cube3_host::{Command, MemoryModel};
 use serde::{Deserialize, Serialize};
 
@@ -86,6 +87,18 @@ impl Served {
             issued: self.issued.max(other.issued),
             row_until: self.row_until.max(other.row_until),
             refresh_until: self.refresh_until.max(other.refresh_until),
+        }
+    }
+
+    /// What a pipeline cycle whose last tick is `tick` counts as, while this is waited for.
+    #[inline]
+    pub(super) fn activity(self, tick: i64) -> Activity {
+        if tick < self.refresh_until {
+            Activity::Waiting(Reason::Refresh)
+        } else if tick < self.row_until {
+            Activity::Waiting(Reason::MemoryRow)
+        } else {
+            Activity::Busy
         }
     }
 }
