@@ -31,6 +31,12 @@ fn whole(slots: u64) -> Sections {
     Sections::of_slots(slots as usize, None).behind(1)
 }
 
+/// A frame with a gradient that reads the next rays, taken whole, on four planes; no slots are shared.
+fn frame_of(slots: u64, planes: u64) -> AbcSpec {
+    let sections = whole(slots);
+    AbcSpec { ray_cycles: 1, slots, planes, closes: [false; 2], buffered: true, reach: 1, ring: 4, sections }
+}
+
 /// The rays of a frame, plane and slot, in the order in which they come.
 fn taken(spec: &AbcSpec) -> Vec<(u32, u32)> {
     let sections = (0..spec.sections.count()).map(|section| spec.sections.slots(section));
@@ -144,16 +150,7 @@ fn no_shape_of_frame_gets_stuck_with_four_planes() {
 fn without_a_gradient_a_ray_leaves_as_it_comes() {
     let setup = setup();
     for ray_cycles in 1..5 {
-        let spec = AbcSpec {
-            ray_cycles,
-            slots: 4,
-            planes: 3,
-            closes: [true; 2],
-            buffered: false,
-            reach: 1,
-            ring: 4,
-            sections: whole(4),
-        };
+        let spec = AbcSpec { ray_cycles, closes: [true; 2], buffered: false, ..frame_of(4, 3) };
         let left = run(&setup, spec, 1, 2, |_| true).left;
         for (e, (cycle, _)) in left.into_iter().enumerate() {
             // It is at the input in cycle 1, taken after ray_cycles, given after as many, the two at once.
@@ -168,16 +165,7 @@ fn the_first_ray_leaves_a_plane_and_a_ray_later_and_not_a_cycle_earlier() {
     for slots in 1..7 {
         for planes in 1..6 {
             for (closes, buffered) in [([false; 2], true), ([true; 2], true), ([false; 2], false)] {
-                let spec = AbcSpec {
-                    ray_cycles: 1,
-                    slots,
-                    planes,
-                    closes,
-                    buffered,
-                    reach: 1,
-                    ring: 4,
-                    sections: whole(slots),
-                };
+                let spec = AbcSpec { closes, buffered, ..frame_of(slots, planes) };
                 let result = run(&setup, spec, 1, 2, |_| true);
                 let [plane, slot] = spec.order().next().unwrap();
                 // Ray number m (from 0) is at the input in cycle m + 1, and given in the cycle in which it is taken.
@@ -199,16 +187,7 @@ fn rays_leave_at_the_rate_of_the_lanes() {
     let setup = setup();
     for ray_cycles in 1..5 {
         for closes in [[false; 2], [true; 2]] {
-            let spec = AbcSpec {
-                ray_cycles,
-                slots: 6,
-                planes: 5,
-                closes,
-                buffered: true,
-                reach: 1,
-                ring: 4,
-                sections: whole(6),
-            };
+            let spec = AbcSpec { ray_cycles, closes, ..frame_of(6, 5) };
             let result = run(&setup, spec, 1, 2, |_| true);
             let steady = result.left.windows(2).all(|pair| pair[1].0 - pair[0].0 >= ray_cycles);
             assert!(steady, "{ray_cycles}: {:?}", result.left);
@@ -223,16 +202,7 @@ fn rays_leave_at_the_rate_of_the_lanes() {
 fn a_frame_that_never_stalls_takes_its_rays_and_its_fill() {
     let setup = setup();
     for (slots, planes) in [(5, 5), (1, 4), (7, 1), (2, 2)] {
-        let spec = AbcSpec {
-            ray_cycles: 1,
-            slots,
-            planes,
-            closes: [false; 2],
-            buffered: true,
-            reach: 1,
-            ring: 4,
-            sections: whole(slots),
-        };
+        let spec = frame_of(slots, planes);
         let result = run(&setup, spec, 1, 2, |_| true);
         // The first cycle has no ray yet; then one is taken or given in every cycle.
         let needed = spec.needed(0, 0);
@@ -244,16 +214,7 @@ fn a_frame_that_never_stalls_takes_its_rays_and_its_fill() {
 #[test]
 fn a_unit_without_rays_is_starved_and_one_without_room_blocked() {
     let setup = setup();
-    let spec = AbcSpec {
-        ray_cycles: 1,
-        slots: 3,
-        planes: 2,
-        closes: [false; 2],
-        buffered: false,
-        reach: 1,
-        ring: 4,
-        sections: whole(3),
-    };
+    let spec = AbcSpec { buffered: false, ..frame_of(3, 2) };
     let slow = run(&setup, spec, 10, 2, |_| true);
     // Ray m comes in cycle 10·m + 1: 6 cycles of work in 52.
     assert_eq!(slow.account, Account { busy: 6, starved: 46, ..Account::default() });
@@ -270,16 +231,7 @@ fn a_unit_without_rays_is_starved_and_one_without_room_blocked() {
 #[test]
 fn a_full_ring_stops_the_input_and_says_so() {
     let setup = setup();
-    let spec = AbcSpec {
-        ray_cycles: 1,
-        slots: 2,
-        planes: 9,
-        closes: [false; 2],
-        buffered: true,
-        reach: 1,
-        ring: 4,
-        sections: whole(2),
-    };
+    let spec = frame_of(2, 9);
     let mut unit = AbcUnit::new([(spec, NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 1, 1).unwrap();
@@ -316,16 +268,7 @@ fn with_three_planes_the_input_waits_for_the_end_of_a_plane_and_with_more_it_doe
     let setup = setup();
     let (slots, planes) = (6, 8);
     let cycles = |ring: u64, every: u64| {
-        let spec = AbcSpec {
-            ray_cycles: 1,
-            slots,
-            planes,
-            closes: [false; 2],
-            buffered: true,
-            reach: 1,
-            ring,
-            sections: whole(slots),
-        };
+        let spec = AbcSpec { ring, ..frame_of(slots, planes) };
         run(&setup, spec, every, 2, |_| true).cycles
     };
     // One cycle before the first ray is there, its neighbours a plane and a ray later, and then a ray a cycle.
@@ -336,16 +279,7 @@ fn with_three_planes_the_input_waits_for_the_end_of_a_plane_and_with_more_it_doe
     assert_eq!(cycles(3, 1), free + THREE_PLANES_COST * (planes - 3));
     // Without a gradient nothing waits, with one plane or many.
     for ring in 1..5 {
-        let spec = AbcSpec {
-            ray_cycles: 1,
-            slots,
-            planes,
-            closes: [true; 2],
-            buffered: false,
-            reach: 1,
-            ring,
-            sections: whole(slots),
-        };
+        let spec = AbcSpec { closes: [true; 2], buffered: false, ring, ..frame_of(slots, planes) };
         assert_eq!(run(&setup, spec, 1, 2, |_| true).cycles, 1 + slots * planes);
     }
 }
@@ -368,16 +302,7 @@ fn no_shape_of_frame_gets_stuck_with_three_planes() {
 #[test]
 fn with_two_planes_the_unit_waits_for_itself_and_says_so() {
     let setup = setup();
-    let spec = AbcSpec {
-        ray_cycles: 1,
-        slots: 3,
-        planes: 5,
-        closes: [false; 2],
-        buffered: true,
-        reach: 1,
-        ring: 2,
-        sections: whole(3),
-    };
+    let spec = AbcSpec { ring: 2, ..frame_of(3, 5) };
     let mut unit = AbcUnit::new([(spec, NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 2, 1).unwrap();
@@ -410,16 +335,7 @@ fn the_ring_takes_planes_of_this_frame_and_the_next_and_of_no_third() {
     for closes in [[false; 2], [true; 2]] {
         for planes in 1..4_u64 {
             for ring in 3..9 {
-                let spec = AbcSpec {
-                    ray_cycles: 1,
-                    slots: 3,
-                    planes,
-                    closes,
-                    buffered: true,
-                    reach: 1,
-                    ring,
-                    sections: whole(3),
-                };
+                let spec = AbcSpec { closes, ring, ..frame_of(3, planes) };
                 let mut unit = AbcUnit::new([(spec, NoShading); 4]);
                 let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
                 // Nobody takes the shaded rays, and so the first planes of frame 0 stay.
@@ -453,16 +369,7 @@ fn farther_neighbours_cost_their_planes_once() {
     let setup = setup();
     let (slots, planes) = (6, 12);
     for reach in 1..=5 {
-        let spec = |ring| AbcSpec {
-            ray_cycles: 1,
-            slots,
-            planes,
-            closes: [false; 2],
-            buffered: true,
-            reach,
-            ring,
-            sections: whole(slots),
-        };
+        let spec = |ring| AbcSpec { reach, ring, ..frame_of(slots, planes) };
         assert_eq!(spec(4).needed(0, 0), reach * slots + reach + 1);
         assert_eq!(spec(4).needed(planes - 1, slots - 1), planes * slots);
         let cycles = |ring| run(&setup, spec(ring), 1, 2, |_| true).cycles;
@@ -475,16 +382,7 @@ fn farther_neighbours_cost_their_planes_once() {
 #[test]
 fn a_ring_too_small_for_farther_neighbours_is_named() {
     let setup = setup();
-    let spec = AbcSpec {
-        ray_cycles: 1,
-        slots: 3,
-        planes: 9,
-        closes: [false; 2],
-        buffered: true,
-        reach: 3,
-        ring: 6,
-        sections: whole(3),
-    };
+    let spec = AbcSpec { reach: 3, ring: 6, ..frame_of(3, 9) };
     let mut unit = AbcUnit::new([(spec, NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 2, 1).unwrap();
@@ -507,16 +405,7 @@ fn a_ring_too_small_for_farther_neighbours_is_named() {
 #[test]
 fn the_next_frame_comes_in_as_far_as_its_own_ring_goes() {
     let setups = [setup(), setup()];
-    let spec = |reach, ring| AbcSpec {
-        ray_cycles: 1,
-        slots: 1,
-        planes: 12,
-        closes: [false; 2],
-        buffered: true,
-        reach,
-        ring,
-        sections: whole(1),
-    };
+    let spec = |reach, ring| AbcSpec { reach, ring, ..frame_of(1, 12) };
     let mut unit = AbcUnit::new([(spec(4, 10), NoShading), (spec(1, 4), NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 1, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 1, 1).unwrap();
