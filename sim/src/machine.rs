@@ -193,6 +193,21 @@ macro_rules! ray_identity {
 
 ray_identity!(RayPair, SampleRay, ShadedRay, PixelGroup);
 
+/// What a function says of each channel and the frames, in the order of [`Machine::JOINTS`]. The channels are of six types.
+macro_rules! of_channels {
+    ($machine:expr, $of:ident) => {{
+        let Machine { frames, beams, aligned, rays, samples, shaded, pixels, .. } = $machine;
+        [
+            $of(beams, frames),
+            $of(aligned, frames),
+            $of(rays, frames),
+            $of(samples, frames),
+            $of(shaded, frames),
+            $of(pixels, frames),
+        ]
+    }};
+}
+
 /// The arithmetic of a frame in each unit that keeps some between tokens, in pipeline order.
 struct Parts<F: Fidelity> {
     dsb: F::Dsb,
@@ -423,15 +438,7 @@ impl<F: Fidelity> Machine<F> {
         fn of<T: Identity>(channel: &Channel<T>, frames: &[FrameSetup]) -> (ChannelCounters, Option<Token>) {
             (channel.counters(), channel.newest().map(|token| token.token(frames)))
         }
-        let Machine { frames, beams, aligned, rays, samples, shaded, pixels, .. } = self;
-        [
-            of(beams, frames),
-            of(aligned, frames),
-            of(rays, frames),
-            of(samples, frames),
-            of(shaded, frames),
-            of(pixels, frames),
-        ]
+        of_channels!(self, of)
     }
 
     /// The tokens in each channel, oldest first, each with the cycles until it can be popped.
@@ -439,15 +446,7 @@ impl<F: Fidelity> Machine<F> {
         fn of<T: Identity>(channel: &Channel<T>, frames: &[FrameSetup]) -> Vec<(Token, u64)> {
             channel.held().map(|(token, cycles)| (token.token(frames), cycles)).collect()
         }
-        let Machine { frames, beams, aligned, rays, samples, shaded, pixels, .. } = self;
-        [
-            of(beams, frames),
-            of(aligned, frames),
-            of(rays, frames),
-            of(samples, frames),
-            of(shaded, frames),
-            of(pixels, frames),
-        ]
+        of_channels!(self, of)
     }
 
     /// Cycles that tokens of each frame take longer in a channel than its latency: those of a cone that turns.
