@@ -118,6 +118,8 @@ fn rows() -> Vec<Row> {
     let off = sdram(Xor, false);
     let (on, sum) = (sdram(Xor, true), sdram(DigitSum, true));
     let interleaved = timing(Sdram, DigitSum, Some(BurstOrder::Interleaved), true);
+    let short = MemoryModel { burst: 1, ..*MemoryModel::of(Sdram) };
+    let bursts_of_one = Timing { hash: Xor, look_ahead: 8, ..Timing::new(&short, 133e6) };
     let yz = |n: u64| (0..n * n).map(move |i| blocks(n, (i / n + n - i % n) % n, i % n));
     let strides = |rows: u64| (0..20_000).map(move |i| i * rows * 512);
     let hbm = timing(Hbm, Xor, None, true);
@@ -165,6 +167,12 @@ fn rows() -> Vec<Row> {
             outside: &[(ALONE, 4.246)],
             ours: a_word(&sum, &mut across(512)),
             tolerance: 0.01,
+        },
+        Row {
+            what: "ticks a word, y + n·z, n = 256, bursts of 1, exclusive or; outside activates never overtake",
+            outside: &[("ordered activates", 2.14)],
+            ours: a_word(&bursts_of_one, &mut across(256)),
+            tolerance: 0.025,
         },
         row("ticks a word, beams y, z over blocks, exclusive or", &[(ALONE, 4.160)], a_word(&on, &mut yz(256))),
         row("ticks a word, beams y, z over blocks, digit sum", &[(ALONE, 4.075)], a_word(&sum, &mut yz(256))),
