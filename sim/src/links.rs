@@ -171,6 +171,9 @@ impl Traffic {
         if let Some(words) = beam {
             aligned.delay(links.put(words));
         }
+        if !links.limited() {
+            return;
+        }
         rays.shut(!links.has_room(&frames[next[0].frame].trilin));
         samples.shut(!links.has_room(&frames[next[1].frame].abc));
         shaded.shut(!links.has_room(nodes_cross));

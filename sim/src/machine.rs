@@ -431,12 +431,13 @@ impl<F: Fidelity> Machine<F> {
         [cfb, bus, write, read, trilin, abc, cone, host]
     }
 
-    /// What each channel has counted, and the token that it was given last, where it holds it; in the order of [`Machine::JOINTS`].
+    /// What each channel has counted, and the token that it was given last, where it holds it, with the cycles that its words on links
+    /// make it later; in the order of [`Machine::JOINTS`].
     #[inline]
-    pub fn newest(&self) -> [(ChannelCounters, Option<Token>); CHANNELS] {
+    pub fn newest(&self) -> [(ChannelCounters, Option<(Token, u64)>); CHANNELS] {
         #[inline]
-        fn of<T: Identity>(channel: &Channel<T>, frames: &[FrameSetup]) -> (ChannelCounters, Option<Token>) {
-            (channel.counters(), channel.newest().map(|token| token.token(frames)))
+        fn of<T: Identity>(channel: &Channel<T>, frames: &[FrameSetup]) -> (ChannelCounters, Option<(Token, u64)>) {
+            (channel.counters(), channel.newest().map(|token| (token.token(frames), channel.newest_late())))
         }
         of_channels!(self, of)
     }

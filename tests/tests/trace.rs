@@ -6,8 +6,8 @@ use cube3::machine::{CHANNELS, Machine, RunCounters, UNITS};
 use cube3::reference::Reference;
 use cube3::run::{RunOptions, Runs, run_frame_with};
 use cube3::trace::{Events, Format, Recorder, Recording, Token, TokenKind, Window};
-use cube3_channel::{Account, Activity};
-use cube3_host::{FrameSetup, Frames, MachineSpec, frame_setup};
+use cube3_channel::{Account, Activity, Reason};
+use cube3_host::{Boards, FrameSetup, Frames, MachineSpec, VolumeInfo, frame_setup};
 use cube3_scene::{Scene, VolumeSource};
 use cube3_tests::waves::Waves;
 use cube3_tests::{SmallVolume, machines, scenes, volumes};
@@ -283,6 +283,26 @@ impl Log {
         assert!(stalls.is_empty());
         log
     }
+}
+
+#[test]
+fn a_ray_whose_nodes_wait_on_links_is_not_there_yet() {
+    let machine = MachineSpec {
+        lanes: 8,
+        boards: Boards { count: 2, link_words_per_cycle: Some(0.25), ..Boards::default() },
+        ..MachineSpec::default()
+    };
+    let info = VolumeInfo { dims: [8; 3], spacing: [1.0; 3], window: [0.0, 65535.0] };
+    let setup = frame_setup(&Scene::default(), &machine, &info, true).unwrap().setup;
+    let to = cycles(&machine, std::slice::from_ref(&setup)).cycles;
+    let (recording, _) = traced(&machine, &[setup], 0, to);
+    let cone = recording.units().iter().position(|unit| *unit == "cone").unwrap();
+    let shaded = recording.tracks().iter().position(|track| track.joint.to == "cone").unwrap();
+    let all = events(&recording);
+    // The cone's own channel has no words on links: it waits for those of the ray in front alone.
+    let waits = |events: &&Events| events.activities[cone] == Activity::Waiting(Reason::Link);
+    assert!(all.iter().filter(waits).count() > to as usize / 4);
+    assert!(all.iter().filter(waits).all(|events| events.front[shaded].is_none()));
 }
 
 #[test]

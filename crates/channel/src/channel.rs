@@ -246,6 +246,12 @@ impl<T> Channel<T> {
         (self.len > 0).then(|| &self.slots[self.place(self.len - 1)].token)
     }
 
+    /// Cycles that the token pushed last waits for words on links, while it is held.
+    #[inline]
+    pub fn newest_late(&self) -> u64 {
+        if self.len > 0 { self.slots[self.place(self.len - 1)].late } else { 0 }
+    }
+
     /// The tokens held, oldest first, each with the cycles until it can be popped.
     pub fn held(&self) -> impl Iterator<Item = (&T, u64)> {
         (0..self.len).map(|i| {

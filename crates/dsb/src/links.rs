@@ -88,6 +88,12 @@ impl Links {
         })
     }
 
+    /// Whether links carry so many words a cycle, and not any number.
+    #[inline]
+    pub fn limited(&self) -> bool {
+        self.rate.is_some()
+    }
+
     /// Whether each link that a token's words cross (link b forwards and backwards at place b) has room for it: fewer words are there than this
     /// cycle carries and its capacity. What the token has beyond that stays in the registers of the unit that sends it.
     #[inline]

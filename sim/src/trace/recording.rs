@@ -141,14 +141,15 @@ impl Window {
     }
 }
 
-/// A cycle, packed: four bits for what each unit did, a bit for each push, pop, and pushed token that does not follow the one
-/// before.
+/// A cycle, packed: four bits for what each unit did, a bit for each push, pop, pushed token that does not follow the one
+/// before, and pushed token that waits for words on links.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Packed {
     activities: u64,
     pushed: u16,
     popped: u16,
     jumped: u16,
+    late: u16,
 }
 
 const _: () = assert!(UNITS <= 16 && CHANNELS <= 16 && Activity::COUNT <= 16);
@@ -182,6 +183,7 @@ impl Recorder {
             tracks: tracks.collect(),
             cycles: Vec::with_capacity((window.to - window.from) as usize),
             jumps: Vec::new(),
+            late: Vec::new(),
         };
         Recorder {
             recording,
@@ -221,7 +223,7 @@ impl Recorder {
 
     /// Sees the cycle that has just passed, by what the counters have become.
     fn see<F: Fidelity>(&mut self, machine: &Machine<F>) {
-        let mut packed = Packed { activities: 0, pushed: 0, popped: 0, jumped: 0 };
+        let mut packed = Packed { activities: 0, pushed: 0, popped: 0, jumped: 0, late: 0 };
         for (i, (before, account)) in self.accounts.iter_mut().zip(machine.accounts()).enumerate() {
             let activity = before.record(account.since(before));
             packed.activities |= u64::from(activity.code()) << (4 * i);
@@ -229,8 +231,12 @@ impl Recorder {
         for (i, (counters, newest)) in machine.newest().into_iter().enumerate() {
             let [pushes, pops] = &mut self.moves[i];
             packed.popped |= u16::from(counters.pops != *pops) << i;
-            if let Some(token) = newest.filter(|_| counters.pushes != *pushes) {
+            if let Some((token, late)) = newest.filter(|_| counters.pushes != *pushes) {
                 packed.pushed |= 1 << i;
+                if late > 0 {
+                    packed.late |= 1 << i;
+                    self.recording.late.push(late);
+                }
                 if token != self.next[i] {
                     packed.jumped |= 1 << i;
                     self.recording.jumps.push(token);
@@ -273,6 +279,8 @@ pub struct Recording {
     tracks: Vec<Track>,
     cycles: Vec<Packed>,
     jumps: Vec<Token>,
+    /// Cycles that tokens wait for words on links.
+    late: Vec<u64>,
 }
 
 /// A cycle of a recording.
@@ -329,7 +337,7 @@ impl Recording {
             .iter()
             .map(|track| track.held.iter().map(|&(token, cycles)| (token, from + cycles)).collect())
             .collect();
-        let mut jumps = self.jumps.iter();
+        let (mut jumps, mut late) = (self.jumps.iter(), self.late.iter());
         let mut next = [Token::default(); CHANNELS];
         for (packed, cycle) in self.cycles.iter().zip(from..) {
             let activity = |i: usize| Activity::from_code((packed.activities >> (4 * i)) as u8 & 15);
@@ -353,7 +361,8 @@ impl Recording {
                     events.pushed[i] = Some(token);
                     next[i] = successor(token);
                     let extra = track.extra.get(token.frame as usize).copied().unwrap_or(0);
-                    queue.push_back((token, cycle + track.latency + extra));
+                    let late = if bit(packed.late) { late.next().copied().unwrap_or(0) } else { 0 };
+                    queue.push_back((token, cycle + track.latency + extra + late));
                 }
                 events.occupancy[i] = queue.len();
             }

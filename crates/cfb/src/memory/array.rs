@@ -177,20 +177,14 @@ impl Modules {
         let Skew { lanes, coefficients } = self.placement.skew;
         let axis = geometry.axes.axis[0];
         let along = coefficients[axis].rem_euclid(lanes as i64) as usize;
-        let rows = u.clone().map(|u| {
-            let start = geometry.axes.voxel(geometry.size, [u.start, v, w]);
-            // Against the axis the coordinates fall; which voxel of the step is taken first changes nothing.
-            let low = if geometry.axes.reversed[0] { start[axis] + 1 - u.len().max(1) } else { start[axis] };
-            let mut xyz = start.map(|i| i as i64);
-            xyz[axis] = low as i64;
-            (xyz, &self.terms[axis][low..low + u.len()])
-        });
-        let [(start, first), _] = rows;
-        let base: u64 = (0..3).filter(|&a| a != axis).map(|a| self.terms[a][start[a] as usize]).sum();
+        let first = self.row(geometry, [v, w], &u[0]);
+        let second = if u[1].is_empty() { None } else { Some(self.row(geometry, [v, w], &u[1])) };
+        let rows = || std::iter::once(first).chain(second);
+        let base: u64 = (0..3).filter(|&a| a != axis).map(|a| self.terms[a][first.start[a] as usize]).sum();
         let MemoryState { modules, choosers, counters, ahead, now, asked, taken, .. } = state;
         let number = *taken + asked.len() as u64;
         if !choosers.is_empty() {
-            for (start, terms) in rows {
+            for Row { start, terms } in rows() {
                 let lowest = self.placement.skew.module(start);
                 for (i, term) in terms.iter().enumerate() {
                     let module = (lowest + i * along) % lanes;
@@ -201,12 +195,12 @@ impl Modules {
         }
         let mut counted = MemoryCounters::default();
         let no_address = self.timing.rows.is_none() && self.timing.burst == 1;
-        let first = first.first().copied().unwrap_or(0);
+        let term = first.terms.first().copied().unwrap_or(0);
         // Terms rise with the coordinate.
-        let ends = rows.iter().flat_map(|(_, terms)| [terms.first(), terms.last()]).flatten();
-        let alike = u[0].len() + u[1].len() == lanes && (no_address || ends.copied().all(|term| term == first));
+        let level = |row: Row<'_>| row.terms.first() == Some(&term) && row.terms.last() == Some(&term);
+        let alike = u[0].len() + u[1].len() == lanes && (no_address || rows().all(level));
         let served = if modules.len() == 1 && alike {
-            let served = modules[0].read(&self.timing, self.timing.place(base + first), *now, &mut counted);
+            let served = modules[0].read(&self.timing, self.timing.place(base + term), *now, &mut counted);
             counted = counted.times(lanes as u64);
             served
         } else {
@@ -215,8 +209,8 @@ impl Modules {
                 modules.resize(lanes, one);
             }
             let mut all = Served::AT_ONCE;
-            for (xyz, terms) in rows {
-                let mut module = self.placement.skew.module(xyz);
+            for Row { start, terms } in rows() {
+                let mut module = self.placement.skew.module(start);
                 for term in terms {
                     let place = self.timing.place(base + term);
                     all = all.and(modules[module].read(&self.timing, place, *now, &mut counted));
@@ -231,6 +225,25 @@ impl Modules {
         counters[ahead.frame as usize] += counted;
         Step { served, missing: 0 }
     }
+
+    /// Voxels `u` of the beam at row `v` and plane `w`.
+    #[inline]
+    fn row(&self, geometry: &Geometry, [v, w]: [usize; 2], u: &Range<usize>) -> Row<'_> {
+        let axis = geometry.axes.axis[0];
+        let mut start = geometry.axes.voxel(geometry.size, [u.start, v, w]);
+        if geometry.axes.reversed[0] {
+            // The coordinates fall; which voxel of a step is taken first changes nothing.
+            start[axis] = start[axis] + 1 - u.len().max(1);
+        }
+        Row { start: start.map(|i| i as i64), terms: &self.terms[axis][start[axis]..start[axis] + u.len()] }
+    }
+}
+
+/// Voxels of a beam that are read in a step: the one with the lowest coordinate, and what the coordinate of each adds to its address.
+#[derive(Clone, Copy)]
+struct Row<'a> {
+    start: [i64; 3],
+    terms: &'a [u64],
 }
 
 impl MemoryState {
