@@ -11,7 +11,7 @@
 mod activates;
 mod array;
 mod blocks;
-mod bus;
+mod calendar;
 mod chooser;
 mod counters;
 mod module;

@@ -1,6 +1,6 @@
-//! The activates of a module that later ones must keep their distance from, before and behind.
+//! The activates of a module that those far behind them must keep their distance from, before and behind.
 
-use super::bus::Bus;
+use super::calendar::Calendar;
 use super::timing::{Spacing, Timing};
 use serde::{Deserialize, Serialize};
 
@@ -22,24 +22,28 @@ impl Activates {
         Activates { latest: never, ticks: Vec::new() }
     }
 
-    /// The first tick from `tick` on at which the bus is free and an activate in a group keeps all distances: behind the others, or in a gap
+    /// The first tick from `tick` on at which an activate in a group can be booked and keeps all distances: behind the others, or in a gap
     /// between two that have been booked.
     #[inline(always)]
-    pub fn free(&self, timing: &Timing, group: usize, tick: i64, bus: &Bus) -> i64 {
-        if tick >= self.latest + timing.reach { bus.free(tick) } else { self.search(timing, group, tick, bus) }
+    pub fn free(&self, timing: &Timing, group: usize, tick: i64, calendar: &Calendar) -> i64 {
+        if timing.spacings.is_empty() || tick >= self.latest + timing.reach {
+            calendar.free_of_activates(timing, group, tick)
+        } else {
+            self.search(timing, group, tick, calendar)
+        }
     }
 
-    fn search(&self, timing: &Timing, group: usize, tick: i64, bus: &Bus) -> i64 {
+    fn search(&self, timing: &Timing, group: usize, tick: i64, calendar: &Calendar) -> i64 {
         let before = self.ticks.iter().rposition(|booked| booked.0 <= tick).map_or(0, |last| last + 1);
         let mut gap = before;
         loop {
-            let (mut first, mut last) = (tick, i64::MAX);
+            let (mut first, mut last) = (tick, self.ticks.get(gap).map_or(i64::MAX, |booked| booked.0));
             for spacing in &timing.spacings {
                 let (earliest, latest) = self.bounds(spacing, group as u8, gap);
                 first = first.max(earliest);
                 last = last.min(latest);
             }
-            let free = bus.free(first);
+            let free = calendar.free_of_activates(timing, group, first);
             if free <= last || gap == self.ticks.len() {
                 return free;
             }

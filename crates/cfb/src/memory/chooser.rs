@@ -74,7 +74,7 @@ impl Chooser {
         counters: &mut [MemoryCounters],
         mut served: impl FnMut(u64, Served),
     ) {
-        self.module.bus.forget(self.now);
+        self.module.calendar.forget(timing, self.now.min(self.module.refresh_due));
         loop {
             self.take_word_at_output(timing, counters, &mut served);
             let Some(oldest) = self.queue.front().copied() else { break };

@@ -6,7 +6,7 @@
 //! due goes before the next word whose first command would not come before it, and all that is booked after it comes after it.
 
 use super::activates::Activates;
-use super::bus::Bus;
+use super::calendar::Calendar;
 use super::{MemoryCounters, Place, Timing};
 use cube3_channel::{Activity, Reason};
 use cube3_host::{Command, MemoryModel};
@@ -17,42 +17,42 @@ pub(super) const NEVER: i64 = i64::MIN / 2;
 /// A bank without an open row.
 pub(super) const CLOSED: u64 = u64::MAX;
 
-/// A memory module. What every word touches lies in two cache lines and its bank.
+/// A memory module. What every word touches lies in its first two cache lines and that of its bank.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub struct Module {
-    /// The first ticks of a read and of a write, as far as those before them count.
+    /// The last ticks of a read and of a write.
     columns: [i64; 2],
     /// The burst at the module's output.
     output: Burst,
     /// The first tick of an activate behind the last refresh.
     pub(super) refreshed: i64,
-    /// The first tick of a refresh.
-    refresh: i64,
     pub(super) refresh_due: i64,
-    /// The bus of the rows, or the one bus that there is.
-    pub(super) bus: Bus,
-    activates: Activates,
+    /// The tick of the last refresh.
+    refresh: i64,
+    /// That of the bus of the rows, or of the one bus that there is.
+    pub(super) calendar: Calendar,
     banks: [Bank; MemoryModel::MOST_BANKS],
-    /// The first ticks of a read and of a write, as far as those in the same group count.
+    activates: Activates,
+    /// The last ticks of a read and of a write in each group.
     group_columns: [[i64; 2]; MemoryModel::MOST_GROUPS],
     #[cfg(test)]
     #[serde(skip)]
     pub(super) log: Vec<(Command, usize, i64)>,
 }
 
-/// A bank: its open row, the tick of its last activate, and the first ticks that its own commands leave to the next.
+/// A bank: its open row, the ticks of its last activate and precharge, and the first tick of the next precharge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(align(32))]
 struct Bank {
     row: u64,
     activated: i64,
-    activate: i64,
+    precharged: i64,
     precharge: i64,
 }
 
 impl Bank {
-    const NEW: Bank = Bank { row: CLOSED, activated: NEVER, activate: NEVER, precharge: NEVER };
+    const NEW: Bank = Bank { row: CLOSED, activated: NEVER, precharged: NEVER, precharge: NEVER };
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -114,7 +114,7 @@ impl Module {
             refresh: NEVER,
             refresh_due: timing.refresh_interval.unwrap_or(i64::MAX),
             activates: Activates::new(NEVER),
-            bus: Bus::default(),
+            calendar: Calendar::default(),
             output: Burst { start: u64::MAX, data: NEVER, row_until: NEVER },
             #[cfg(test)]
             log: Vec::new(),
@@ -130,22 +130,31 @@ impl Module {
     /// The first tick, not before `tick`, at which the constraints and the command bus allow a command to a bank.
     #[inline(always)]
     pub(super) fn free(&self, timing: &Timing, command: Command, bank: usize, tick: i64) -> i64 {
-        let Bank { activated, activate, precharge, .. } = self.banks[bank];
+        let Bank { activated, precharged, precharge, .. } = self.banks[bank];
+        let delays = &timing.delays;
         match command {
             Command::Activate => {
-                let tick = tick.max(activate).max(self.refreshed);
-                self.activates.free(timing, timing.group(bank), tick, &self.bus)
+                let closed = (activated + delays.activate[Command::Activate as usize]).max(precharged + delays.open);
+                let tick = tick.max(closed).max(self.refreshed);
+                self.activates.free(timing, timing.group(bank), tick, &self.calendar)
             }
-            Command::Precharge => self.bus.free(tick.max(precharge)),
-            Command::Refresh => self.bus.free(tick.max(self.refresh)),
+            Command::Precharge => self.calendar.free(timing, tick.max(precharge)),
+            Command::Refresh => {
+                let [activated, precharged] = delays.to_refresh;
+                let of_bank = |bank: &Bank| (bank.activated + activated).max(bank.precharged + precharged);
+                let banks = self.banks.iter().map(of_bank).fold(NEVER, i64::max);
+                self.calendar.free(timing, tick.max(banks).max(self.refresh + delays.refresh[1]))
+            }
             Command::Read | Command::Write => {
                 let column = column(command);
-                let opened = activated + timing.delays.activate[command as usize];
-                let mut tick = tick.max(opened).max(self.columns[column]);
-                if timing.groups() > 1 {
-                    tick = tick.max(self.group_columns[timing.group(bank)][column]);
+                let opened = activated + delays.activate[command as usize];
+                let behind =
+                    |last: [i64; 2], to: &[[i64; 2]; 2]| (last[0] + to[0][column]).max(last[1] + to[1][column]);
+                let mut tick = tick.max(opened).max(behind(self.columns, &delays.columns));
+                if timing.groups > 1 {
+                    tick = tick.max(behind(self.group_columns[timing.group(bank)], &delays.group_columns));
                 }
-                if timing.column_bus { tick } else { self.bus.free(tick) }
+                if timing.column_bus { tick } else { self.calendar.free(timing, tick) }
             }
         }
     }
@@ -158,42 +167,34 @@ impl Module {
         match command {
             Command::Activate => {
                 to.activated = tick;
-                to.activate = to.activate.max(tick + delays.activate[Command::Activate as usize]);
                 to.precharge = to.precharge.max(tick + delays.activate[Command::Precharge as usize]);
-                self.refresh = self.refresh.max(tick + delays.to_refresh[0]);
+                self.calendar.activate(timing, timing.group(bank), tick);
                 self.activates.book(timing, timing.group(bank), tick, asked);
             }
-            Command::Precharge => {
-                to.activate = to.activate.max(tick + delays.open);
-                self.refresh = self.refresh.max(tick + delays.to_refresh[1]);
-            }
+            Command::Precharge => to.precharged = tick,
             Command::Refresh => {
+                self.refresh = tick;
                 self.refreshed = tick + delays.refresh[0];
-                self.refresh = tick + delays.refresh[1];
             }
             Command::Read | Command::Write => {
-                let from = column(command);
-                to.precharge = to.precharge.max(tick + delays.close[from]);
-                for to in [0, 1] {
-                    self.columns[to] = self.columns[to].max(tick + delays.columns[from][to]);
-                }
-                if timing.groups() > 1 {
-                    let group = &mut self.group_columns[timing.group(bank)];
-                    for to in [0, 1] {
-                        group[to] = group[to].max(tick + delays.group_columns[from][to]);
-                    }
+                let column = column(command);
+                to.precharge = to.precharge.max(tick + delays.close[column]);
+                self.columns[column] = tick;
+                if timing.groups > 1 {
+                    self.group_columns[timing.group(bank)][column] = tick;
                 }
             }
         }
-        if !(timing.column_bus && matches!(command, Command::Read | Command::Write)) {
-            self.bus.take(tick);
+        let own_bus = timing.column_bus && matches!(command, Command::Read | Command::Write);
+        if command != Command::Activate && !own_bus {
+            self.calendar.take(tick);
         }
         #[cfg(test)]
         self.log.push((command, bank, tick));
     }
 
     /// Reads a word that has been asked for at tick `asked`, behind all words asked for before it.
-    #[inline]
+    #[inline(always)]
     pub fn read(&mut self, timing: &Timing, at: Place, asked: i64, counters: &mut MemoryCounters) -> Served {
         counters.words += 1;
         if let Some(served) = self.word_at_output(timing, at, asked) {
@@ -267,7 +268,7 @@ impl Module {
             counters.row_hits += 1;
             return Column { tick, opened: false, refresh_until: NEVER };
         }
-        self.bus.forget(asked);
+        self.calendar.forget(timing, asked.min(self.refresh_due));
         let mut refresh_until = NEVER;
         let (first, tick) = loop {
             let first = match self.banks[bank].row {
@@ -314,7 +315,7 @@ impl Module {
             self.issue(timing, Command::Precharge, first, close, asked);
             for bank in &mut self.banks {
                 bank.row = CLOSED;
-                bank.activate = bank.activate.max(close + timing.delays.open);
+                bank.precharged = close;
             }
         }
         let refresh = self.free(timing, Command::Refresh, 0, self.refresh_due);

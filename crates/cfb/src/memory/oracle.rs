@@ -25,7 +25,7 @@ type Result = (i64, Option<i64>, Option<i64>, Option<i64>);
 
 impl Plain<'_> {
     fn meets(&self, scope: Scope, bank: usize, other: usize) -> bool {
-        let groups = self.timing.groups();
+        let groups = self.timing.groups;
         bank == ALL
             || other == ALL
             || match scope {

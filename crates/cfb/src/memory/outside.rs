@@ -56,7 +56,7 @@ fn stream_by_tick(timing: &Timing, addresses: impl Iterator<Item = u64>) -> i64 
     let (mut queue, mut leaving) = (VecDeque::<Place>::new(), VecDeque::<i64>::new());
     let (mut tick, mut last) = (0, 0);
     while addresses.peek().is_some() || !queue.is_empty() || !leaving.is_empty() {
-        module.bus.forget(tick);
+        module.calendar.forget(timing, tick.min(module.refresh_due));
         if leaving.front().is_some_and(|&ready| ready <= tick) {
             leaving.pop_front();
             last = tick;

@@ -122,7 +122,7 @@ fn every_constraint_of_the_table_is_tight_by_itself() {
             let clock = model.clock_hz.unwrap_or(8e6);
             let timing = Timing::new(&MemoryModel { constraints: one, ..model }, clock);
             let ticks = constraint.span.ceil(clock, model.burst_ticks()) as i64;
-            let groups = timing.groups();
+            let groups = timing.groups;
             for bank in 0..timing.banks() {
                 let mut module = Module::new(&timing);
                 for i in 0..constraint.nth {
@@ -363,7 +363,7 @@ pub(super) fn check_log(
     clock: f64,
     log: &[(Command, usize, i64)],
 ) -> Result<(), TestCaseError> {
-    let groups = timing.groups();
+    let groups = timing.groups;
     for constraint in model.constraints {
         let ticks = constraint.span.ceil(clock, model.burst_ticks()) as i64;
         for &(command, bank, tick) in log.iter().filter(|entry| entry.0 == constraint.to) {

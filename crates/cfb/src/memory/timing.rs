@@ -26,8 +26,15 @@ pub struct Timing {
     pub column_bus: bool,
     /// Words of a module that are asked for ahead.
     pub look_ahead: usize,
+    /// Groups of banks; 1 where there are none.
+    pub(super) groups: usize,
+    /// Bits of a word's number within its row, and of a bank's number.
+    row_bits: u32,
+    bank_bits: u32,
     pub(super) delays: Delays,
-    /// Between the activates of a module or group.
+    /// Least ticks between neighbouring activates of the module and of a group, where they are at most [`Timing::NEAR`]; else 1.
+    pub(super) near: [i64; 2],
+    /// The other distances between activates of the module or of a group.
     pub(super) spacings: Vec<Spacing>,
     /// No activate that is so far behind another has to do with it.
     pub(super) reach: i64,
@@ -72,16 +79,26 @@ pub(super) struct Spacing {
 }
 
 impl Timing {
+    /// Distances up to here are kept by a [calendar](super::calendar).
+    pub(super) const NEAR: i64 = 32;
+
     /// The timing of a module at a memory clock in hertz, with the default hash.
     pub fn new(model: &MemoryModel, clock_hz: f64) -> Timing {
         let ticks = |constraint: &Constraint| constraint.span.ceil(clock_hz, model.burst_ticks()) as i64;
         let spaces = |c: &&Constraint| [c.from, c.to] == [Command::Activate; 2] && c.scope != Scope::Bank;
-        let spacings: Vec<Spacing> = model
+        let all: Vec<Spacing> = model
             .constraints
             .iter()
             .filter(spaces)
             .map(|c| Spacing { of_group: c.scope == Scope::Group, nth: c.nth, ticks: ticks(c) })
             .collect();
+        let (near, spacings): (Vec<Spacing>, Vec<Spacing>) =
+            all.into_iter().partition(|spacing| spacing.nth == 1 && spacing.ticks <= Timing::NEAR);
+        let groups = model.rows.map_or(1, |rows| rows.groups);
+        let nearest = |of_group: bool| {
+            let spacings = near.iter().filter(|spacing| spacing.of_group == of_group || groups == 1);
+            spacings.map(|spacing| spacing.ticks).max().unwrap_or(1).max(1)
+        };
         let least = |from: Command, to: Command, scope: Scope| {
             let same = |c: &&Constraint| (c.from, c.to, c.scope) == (from, to, scope);
             model.constraints.iter().filter(same).map(ticks).max().unwrap_or(NONE)
@@ -99,6 +116,9 @@ impl Timing {
             refresh_interval: model.refresh_interval.map(|interval| interval.floor(clock_hz, 1) as i64),
             column_bus: model.column_bus,
             look_ahead: model.look_ahead,
+            groups,
+            row_bits: model.rows.map_or(0, |rows| rows.words.trailing_zeros()),
+            bank_bits: model.rows.map_or(0, |rows| rows.banks.trailing_zeros()),
             delays: Delays {
                 activate: [Activate, Read, Write, Precharge].map(|to| least(Activate, to, Bank)),
                 close: [Read, Write].map(|from| least(from, Precharge, Bank)),
@@ -109,6 +129,7 @@ impl Timing {
                 refresh: [Activate, Refresh].map(|to| least(Refresh, to, Module)),
             },
             reach: spacings.iter().map(|spacing| spacing.ticks).max().unwrap_or(0).max(1),
+            near: [nearest(false), nearest(true)],
             spacings,
         }
     }
@@ -122,7 +143,7 @@ impl Timing {
     /// The group of a bank.
     #[inline]
     pub(super) fn group(&self, bank: usize) -> usize {
-        bank & (self.groups() - 1)
+        bank & (self.groups - 1)
     }
 
     /// Banks of a module.
@@ -132,9 +153,9 @@ impl Timing {
     }
 
     /// The bank of a row of words, numbered through the module.
-    #[inline]
+    #[inline(always)]
     pub fn bank(&self, row: u64) -> usize {
-        let bits = self.banks().trailing_zeros();
+        let bits = self.bank_bits;
         match (self.hash, bits) {
             (BankHash::DigitSum, 1 | 2 | 4) => digit_sum(row, bits),
             (hash, _) => (hash.row().bank)(row, bits),
@@ -142,9 +163,9 @@ impl Timing {
     }
 
     /// Where a word is whose bank follows from its number alone.
-    #[inline]
+    #[inline(always)]
     pub fn place(&self, word: u64) -> Place {
-        let row = self.rows.map_or(0, |rows| word >> rows.words.trailing_zeros());
+        let row = if self.rows.is_some() { word >> self.row_bits } else { 0 };
         Place { word, bank: self.bank(row), row }
     }
 
@@ -158,17 +179,11 @@ impl Timing {
         };
         ((place & (self.burst as u64 - 1)) >> self.words_per_tick.trailing_zeros()) as i64
     }
-
-    /// Groups of banks.
-    #[inline]
-    pub fn groups(&self) -> usize {
-        self.rows.map_or(1, |rows| rows.groups)
-    }
 }
 
 /// The sum of the digits of 1, 2 or 4 bits, modulo their base: neighbouring fields are added until each is a byte, and a product adds the
 /// bytes. The definition is [`BankHash::DigitSum`]'s.
-#[inline]
+#[inline(always)]
 fn digit_sum(row: u64, bits: u32) -> usize {
     let halve = |row: u64, bits: u32, mask: u64| (row & mask) + ((row >> bits) & mask);
     let row = if bits == 1 { halve(row, 1, 0x5555_5555_5555_5555) } else { row };
