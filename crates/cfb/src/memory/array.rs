@@ -1,6 +1,6 @@
 //! All modules under the scan of the frame buffer.
 
-use super::{Chooser, MemoryCounters, Module, Served, Timing};
+use super::{Chooser, MemoryCounters, Module, Place, Served, Timing};
 use crate::golden::{Placement, Skew};
 use crate::unit::{CfbSpec, Scan};
 use cube3_channel::{Activity, ClockDomain};
@@ -23,6 +23,8 @@ pub struct Modules {
     placement: Placement,
     /// What each coordinate adds to an address, for x, y, z.
     terms: [Vec<u64>; 3],
+    /// The banks of the first rows.
+    banks: Vec<u8>,
     unit: LookAheadUnit,
     freed: LookAheadFreed,
     /// Steps that can have been asked for and not taken.
@@ -60,6 +62,9 @@ struct Step {
 }
 
 impl Modules {
+    /// Most rows whose banks are kept.
+    const MOST_ROWS: u64 = 1 << 16;
+
     /// The modules of a machine for a volume; none where they give any word in any cycle.
     pub fn new(machine: &MachineSpec, dims: [usize; 3]) -> Option<Modules> {
         let clock = ClockDomain::from_hertz(machine.memory_clock_hz(), machine.clock_hz);
@@ -68,10 +73,15 @@ impl Modules {
         }
         let skew = Skew { coefficients: machine.cfb.skew, lanes: machine.lanes };
         let placement = Placement { skew, layout: machine.cfb.layout, dims };
-        let terms = [0, 1, 2].map(|axis| (0..dims[axis]).map(|i| placement.term(axis, i) as u64).collect());
+        let terms: [Vec<u64>; 3] =
+            [0, 1, 2].map(|axis| (0..dims[axis]).map(|i| placement.term(axis, i) as u64).collect());
         let cfb = &machine.cfb;
+        let timing = Timing::of(machine);
+        let last = terms.iter().filter_map(|terms| terms.iter().max()).sum();
+        let rows = (timing.place(last).row + 1).min(Modules::MOST_ROWS);
         Some(Modules {
-            timing: Timing::of(machine),
+            banks: (0..rows).map(|row| timing.bank(row) as u8).collect(),
+            timing,
             clock,
             placement,
             terms,
@@ -212,7 +222,7 @@ impl Modules {
             for Row { start, terms } in rows() {
                 let mut module = self.placement.skew.module(start);
                 for term in terms {
-                    let place = self.timing.place(base + term);
+                    let place = self.place(base + term);
                     all = all.and(modules[module].read(&self.timing, place, *now, &mut counted));
                     module += along;
                     if module >= lanes {
@@ -224,6 +234,16 @@ impl Modules {
         };
         counters[ahead.frame as usize] += counted;
         Step { served, missing: 0 }
+    }
+
+    /// Where a word is.
+    #[inline(always)]
+    fn place(&self, word: u64) -> Place {
+        let row = word >> self.timing.row_bits;
+        match self.banks.get(row as usize) {
+            Some(&bank) => Place { word, bank: bank as usize, row },
+            None => self.timing.place(word),
+        }
     }
 
     /// Voxels `u` of the beam at row `v` and plane `w`.

@@ -49,7 +49,68 @@ fn both(low: u64, high: u64) -> u128 {
     u128::from(high) << 64 | u128::from(low)
 }
 
+/// The 64 ticks of a calendar while some commands are booked in them, by their places from its first tick. What does not fit is told in the end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Draft {
+    commands: u64,
+    near: u64,
+    /// The latest place that was taken.
+    latest: u64,
+}
+
+impl Draft {
+    /// Places from here on are not looked at.
+    const END: u64 = 63;
+
+    #[inline(always)]
+    fn first_of(&mut self, taken: u64, place: i64) -> i64 {
+        // The last place stands for what is not looked at.
+        let free = !taken.wrapping_shr(place as u32) | 1 << Draft::END;
+        let place = place + i64::from(free.trailing_zeros());
+        self.latest = self.latest.max(place as u64);
+        place
+    }
+
+    /// The first place from one on without a command, for a command that is no activate.
+    #[inline(always)]
+    pub fn take(&mut self, place: i64) -> i64 {
+        let place = self.first_of(self.commands, place);
+        self.commands |= 1_u64.wrapping_shl(place as u32);
+        place
+    }
+
+    /// The first place for an activate from one on, in a module with one group of banks.
+    #[inline(always)]
+    pub fn activate(&mut self, timing: &Timing, place: i64) -> i64 {
+        let place = self.first_of(self.commands | self.near, place);
+        self.commands |= 1_u64.wrapping_shl(place as u32);
+        let [before, span] = timing.around();
+        let start = (place - before as i64) as u64;
+        self.latest = if start > 64 - span { Draft::END } else { self.latest };
+        self.near |= ((1 << span) - 1_u64).wrapping_shl(start as u32);
+        place
+    }
+
+    /// Whether all that was booked fits.
+    #[inline(always)]
+    pub fn fits(&self) -> bool {
+        self.latest < Draft::END
+    }
+}
+
 impl Calendar {
+    /// The first tick that is known, and the 64 from it on.
+    #[inline(always)]
+    pub fn draft(&self) -> (i64, Draft) {
+        (self.first, Draft { commands: self.commands, near: self.near, latest: 0 })
+    }
+
+    /// Books what was booked in a draft that fits.
+    #[inline(always)]
+    pub fn book(&mut self, Draft { commands, near, .. }: Draft) {
+        (self.commands, self.near) = (commands, near);
+    }
+
     /// Forgets ticks before `tick`: nothing is booked there any more.
     #[inline(always)]
     pub fn forget(&mut self, timing: &Timing, tick: i64) {
@@ -150,14 +211,14 @@ impl Calendar {
     /// Takes a tick for an activate in a group, and those around it from other activates.
     #[inline(always)]
     pub fn activate(&mut self, timing: &Timing, group: usize, tick: i64) {
-        let (place, around) = (tick - self.first, timing.near[0]);
-        // From `around` − 1 ticks before it to as many behind it.
-        let (start, span) = (place - (around - 1), 2 * around - 1);
-        if timing.groups > 1 || start as u64 > (64 - span) as u64 {
+        let place = tick - self.first;
+        let [before, span] = timing.around();
+        let start = (place - before as i64) as u64;
+        if timing.groups > 1 || start > 64 - span {
             return self.activate_far(timing, group, tick);
         }
         self.commands |= 1 << place;
-        self.near |= ((1 << span) - 1) << start;
+        self.near |= ((1 << span) - 1_u64) << start;
     }
 
     #[inline(never)]

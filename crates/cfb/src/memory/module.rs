@@ -7,6 +7,7 @@
 
 use super::activates::Activates;
 use super::calendar::Calendar;
+use super::timing::Delays;
 use super::{MemoryCounters, Place, Timing};
 use cube3_channel::{Activity, Reason};
 use cube3_host::{Command, MemoryModel};
@@ -53,6 +54,31 @@ struct Bank {
 
 impl Bank {
     const NEW: Bank = Bank { row: CLOSED, activated: NEVER, precharged: NEVER, precharge: NEVER };
+
+    /// The first tick of an activate, as far as the bank's own commands count.
+    #[inline(always)]
+    fn activate(&self, delays: &Delays) -> i64 {
+        (self.activated + delays.activate[Command::Activate as usize]).max(self.precharged + delays.open)
+    }
+
+    /// The first tick of a read or write behind the last activate.
+    #[inline(always)]
+    fn opened(&self, delays: &Delays, command: Command) -> i64 {
+        self.activated + delays.activate[command as usize]
+    }
+
+    /// Has issued an activate.
+    #[inline(always)]
+    fn set_activated(&mut self, delays: &Delays, tick: i64) {
+        self.activated = tick;
+        self.precharge = self.precharge.max(tick + delays.activate[Command::Precharge as usize]);
+    }
+
+    /// Has issued a read or write.
+    #[inline(always)]
+    fn set_column(&mut self, delays: &Delays, column: usize, tick: i64) {
+        self.precharge = self.precharge.max(tick + delays.close[column]);
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -130,15 +156,13 @@ impl Module {
     /// The first tick, not before `tick`, at which the constraints and the command bus allow a command to a bank.
     #[inline(always)]
     pub(super) fn free(&self, timing: &Timing, command: Command, bank: usize, tick: i64) -> i64 {
-        let Bank { activated, precharged, precharge, .. } = self.banks[bank];
-        let delays = &timing.delays;
+        let (of, delays) = (&self.banks[bank], &timing.delays);
         match command {
             Command::Activate => {
-                let closed = (activated + delays.activate[Command::Activate as usize]).max(precharged + delays.open);
-                let tick = tick.max(closed).max(self.refreshed);
+                let tick = tick.max(of.activate(delays)).max(self.refreshed);
                 self.activates.free(timing, timing.group(bank), tick, &self.calendar)
             }
-            Command::Precharge => self.calendar.free(timing, tick.max(precharge)),
+            Command::Precharge => self.calendar.free(timing, tick.max(of.precharge)),
             Command::Refresh => {
                 let [activated, precharged] = delays.to_refresh;
                 let of_bank = |bank: &Bank| (bank.activated + activated).max(bank.precharged + precharged);
@@ -147,12 +171,9 @@ impl Module {
             }
             Command::Read | Command::Write => {
                 let column = column(command);
-                let opened = activated + delays.activate[command as usize];
-                let behind =
-                    |last: [i64; 2], to: &[[i64; 2]; 2]| (last[0] + to[0][column]).max(last[1] + to[1][column]);
-                let mut tick = tick.max(opened).max(behind(self.columns, &delays.columns));
+                let mut tick = tick.max(of.opened(delays, command)).max(behind(self.columns, &delays.columns, column));
                 if timing.groups > 1 {
-                    tick = tick.max(behind(self.group_columns[timing.group(bank)], &delays.group_columns));
+                    tick = tick.max(behind(self.group_columns[timing.group(bank)], &delays.group_columns, column));
                 }
                 if timing.column_bus { tick } else { self.calendar.free(timing, tick) }
             }
@@ -166,8 +187,7 @@ impl Module {
         let to = &mut self.banks[bank];
         match command {
             Command::Activate => {
-                to.activated = tick;
-                to.precharge = to.precharge.max(tick + delays.activate[Command::Precharge as usize]);
+                to.set_activated(delays, tick);
                 self.calendar.activate(timing, timing.group(bank), tick);
                 self.activates.book(timing, timing.group(bank), tick, asked);
             }
@@ -178,7 +198,7 @@ impl Module {
             }
             Command::Read | Command::Write => {
                 let column = column(command);
-                to.precharge = to.precharge.max(tick + delays.close[column]);
+                to.set_column(delays, column, tick);
                 self.columns[column] = tick;
                 if timing.groups > 1 {
                     self.group_columns[timing.group(bank)][column] = tick;
@@ -269,6 +289,13 @@ impl Module {
             return Column { tick, opened: false, refresh_until: NEVER };
         }
         self.calendar.forget(timing, asked.min(self.refresh_due));
+        if ![row, CLOSED].contains(&self.banks[bank].row)
+            && let Some(tick) = self.turn(timing, command, bank, asked)
+        {
+            self.banks[bank].row = row;
+            counters.row_conflicts += 1;
+            return Column { tick, opened: true, refresh_until: NEVER };
+        }
         let mut refresh_until = NEVER;
         let (first, tick) = loop {
             let first = match self.banks[bank].row {
@@ -299,6 +326,37 @@ impl Module {
         let tick = self.free(timing, command, bank, asked);
         self.issue(timing, command, bank, tick, asked);
         Column { tick, opened: true, refresh_until }
+    }
+
+    /// Closes the open row of a bank, opens another and reads or writes it: the commands of [`Module::issue`] at the ticks of
+    /// [`Module::free`], where they all lie within the calendar's 64 ticks and no refresh is due; else nothing is done.
+    #[inline(always)]
+    fn turn(&mut self, timing: &Timing, command: Command, bank: usize, asked: i64) -> Option<i64> {
+        if !timing.plain {
+            return None;
+        }
+        let (delays, column) = (&timing.delays, column(command));
+        let (first, mut draft) = self.calendar.draft();
+        let mut to = self.banks[bank];
+        to.precharged = first + draft.take(asked.max(to.precharge) - first);
+        let activate = asked.max(to.activate(delays)).max(self.refreshed);
+        to.set_activated(delays, first + draft.activate(timing, activate - first));
+        let opened = asked.max(to.opened(delays, command));
+        let tick = opened.max(behind(self.columns, &delays.columns, column));
+        let tick = if timing.column_bus { tick } else { first + draft.take(tick - first) };
+        if !draft.fits() || to.precharged >= self.refresh_due {
+            return None;
+        }
+        to.set_column(delays, column, tick);
+        #[cfg(test)]
+        for (command, tick) in [(Command::Precharge, to.precharged), (Command::Activate, to.activated), (command, tick)]
+        {
+            self.log.push((command, bank, tick));
+        }
+        self.columns[column] = tick;
+        self.calendar.book(draft);
+        self.banks[bank] = to;
+        Some(tick)
     }
 
     /// Closes every bank and refreshes, as often as has fallen due at tick `asked`, but at least once.
@@ -336,6 +394,12 @@ impl Module {
 #[inline(always)]
 fn column(command: Command) -> usize {
     usize::from(command == Command::Write)
+}
+
+/// The first tick of a read or write behind the last read and the last write.
+#[inline(always)]
+fn behind(last: [i64; 2], delays: &[[i64; 2]; 2], column: usize) -> i64 {
+    (last[0] + delays[0][column]).max(last[1] + delays[1][column])
 }
 
 /// When a read or write was issued.

@@ -28,9 +28,11 @@ pub struct Timing {
     pub look_ahead: usize,
     /// Groups of banks; 1 where there are none.
     pub(super) groups: usize,
+    /// Whether all distances between activates are the calendar's, and those between reads and writes the module's.
+    pub(super) plain: bool,
     /// Bits of a word's number within its row, and of a bank's number.
-    row_bits: u32,
-    bank_bits: u32,
+    pub(super) row_bits: u32,
+    pub(super) bank_bits: u32,
     pub(super) delays: Delays,
     /// Least ticks between neighbouring activates of the module and of a group, where they are at most [`Timing::NEAR`]; else 1.
     pub(super) near: [i64; 2],
@@ -117,6 +119,7 @@ impl Timing {
             column_bus: model.column_bus,
             look_ahead: model.look_ahead,
             groups,
+            plain: groups == 1 && spacings.is_empty(),
             row_bits: model.rows.map_or(0, |rows| rows.words.trailing_zeros()),
             bank_bits: model.rows.map_or(0, |rows| rows.banks.trailing_zeros()),
             delays: Delays {
@@ -160,6 +163,13 @@ impl Timing {
             (BankHash::DigitSum, 1 | 2 | 4) => digit_sum(row, bits),
             (hash, _) => (hash.row().bank)(row, bits),
         }
+    }
+
+    /// Of the ticks that an activate takes from others of the module how many are before it, and how many there are.
+    #[inline(always)]
+    pub(super) fn around(&self) -> [u64; 2] {
+        let before = self.near[0] as u64 - 1;
+        [before, 2 * before + 1]
     }
 
     /// Where a word is whose bank follows from its number alone.
