@@ -83,6 +83,39 @@ impl RayLinks {
     }
 }
 
+/// Words of the nodes of a ray over each link, forwards and backwards, by the lane at which it begins.
+#[derive(Clone, Debug)]
+struct ConeLinks {
+    cone: ConeSpec,
+    /// Those of the first lanes, one behind another.
+    kept: Vec<[u64; 2]>,
+}
+
+impl ConeLinks {
+    /// Most links of which words are kept, for all lanes together.
+    const MOST: usize = 1 << 16;
+
+    fn new(cone: ConeSpec) -> ConeLinks {
+        let lanes = cone.lanes.min(ConeLinks::MOST / cone.boards);
+        let mut kept = vec![[0; 2]; lanes * cone.boards];
+        kept.chunks_exact_mut(cone.boards).enumerate().for_each(|(start, links)| cone.link_words(start, links));
+        ConeLinks { cone, kept }
+    }
+
+    /// Those of a lane; `memory` has a place for each link.
+    #[inline]
+    fn words<'a>(&'a self, start: usize, memory: &'a mut [[u64; 2]]) -> &'a [[u64; 2]] {
+        let first = start * self.cone.boards;
+        match self.kept.get(first..first + self.cone.boards) {
+            Some(words) => words,
+            None => {
+                self.cone.link_words(start, memory);
+                memory
+            }
+        }
+    }
+}
+
 /// The next ray of a unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Next {
@@ -107,6 +140,9 @@ impl Next {
 pub(crate) struct Traffic {
     links: Links,
     frames: Vec<RayLinks>,
+    /// The cones of the frames, each once, and which is that of each frame.
+    cones: Vec<ConeLinks>,
+    cone_of: Vec<usize>,
     lanes: usize,
     /// Which ray comes next of those that TRILIN and the ABC units need words for.
     next: [Next; 2],
@@ -130,7 +166,24 @@ impl Traffic {
             let words = nodes.iter().flatten();
             nodes_cross.iter_mut().flatten().zip(words).for_each(|(cross, words)| *cross |= words);
         }
-        Some(Traffic { links, frames, lanes: machine.lanes, next: Default::default(), nodes_cross, nodes })
+        let mut cones = Vec::<ConeLinks>::new();
+        let mut number = |frame: &RayLinks| {
+            cones.iter().position(|kept| kept.cone == frame.cone).unwrap_or_else(|| {
+                cones.push(ConeLinks::new(frame.cone));
+                cones.len() - 1
+            })
+        };
+        let cone_of = frames.iter().map(&mut number).collect();
+        Some(Traffic {
+            links,
+            frames,
+            cones,
+            cone_of,
+            lanes: machine.lanes,
+            next: Default::default(),
+            nodes_cross,
+            nodes,
+        })
     }
 
     /// The links as the last cycle left them.
@@ -154,11 +207,12 @@ impl Traffic {
         samples: &mut Channel<SampleRay<C>>,
         shaded: &mut Channel<ShadedRay<D>>,
     ) {
-        let Traffic { links, frames, lanes, next, nodes_cross, nodes } = self;
+        let Traffic { links, frames, cones, cone_of, lanes, next, nodes_cross, nodes } = self;
         links.carry();
         if let Some(ray) = shaded.pushed() {
-            frames[ray.frame as usize].cone.link_words(ray.slot as usize % *lanes, nodes);
-            shaded.delay(links.put(nodes));
+            let cone = &cones[cone_of[ray.frame as usize]];
+            let words = cone.words(ray.slot as usize % *lanes, nodes);
+            shaded.delay(links.put(words));
         }
         if let Some(ray) = samples.pushed() {
             samples.delay(links.put(&frames[ray.frame as usize].abc));
@@ -182,7 +236,7 @@ impl Traffic {
 
 impl Archived for Traffic {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let Traffic { links, frames: _, lanes: _, next, nodes_cross: _, nodes: _ } = self;
+        let Traffic { links, frames: _, cones: _, cone_of: _, lanes: _, next, nodes_cross: _, nodes: _ } = self;
         archive.item(next)?;
         links.archive(archive)
     }

@@ -412,7 +412,7 @@ impl<F: Fidelity> Machine<F> {
 
     /// One cycle. Every unit ticks, each with the channels at its ends; then every channel commits. What each unit did, in the
     /// order of [`Machine::UNITS`].
-    #[inline]
+    #[inline(always)]
     fn tick(&mut self) -> [Activity; UNITS] {
         let frames = &self.frames;
         let released = if self.overlap { u32::MAX } else { self.host.frames_done() + 1 };

@@ -122,6 +122,15 @@ pub struct Piece {
     pub columns: [Range<usize>; 2],
 }
 
+impl Piece {
+    /// How many voxels it has.
+    #[inline(always)]
+    fn voxels(&self) -> u32 {
+        let [first, second] = &self.columns;
+        (first.len() + second.len()) as u32
+    }
+}
+
 impl CfbSpec {
     /// The data sheet for a machine and the geometry of a frame.
     pub fn new(machine: &MachineSpec, geometry: &Geometry) -> CfbSpec {
@@ -228,12 +237,18 @@ impl Scan {
     }
 
     /// The voxels of the beam, if there are any.
-    #[inline]
+    #[inline(always)]
     pub fn piece(&self, geometry: &Geometry, sections: &Sections) -> Option<Piece> {
         let row = row(geometry, self.plane, self.depth)?;
         if sections.is_whole() {
             return Some(Piece { row, columns: [0..geometry.size[0], 0..0] });
         }
+        self.part(row, geometry, sections)
+    }
+
+    /// What a section has of a row.
+    #[inline(never)]
+    fn part(&self, row: u32, geometry: &Geometry, sections: &Sections) -> Option<Piece> {
         let columns = geometry.columns(sections.slots(self.section as usize), self.depth as usize);
         (!columns[0].is_empty()).then_some(Piece { row, columns })
     }
@@ -303,7 +318,7 @@ impl<F: Fetch> CfbUnit<F> {
     }
 
     /// One cycle. `frames` are the registers of all frames, of which those before `released` may be scanned.
-    #[inline]
+    #[inline(always)]
     pub fn tick(&mut self, frames: &[FrameSetup], released: u32, beams: &mut Channel<Beam<F::Output>>) -> Activity {
         let activity = if self.port.is_none() {
             self.read(frames, released, beams)
@@ -314,7 +329,7 @@ impl<F: Fetch> CfbUnit<F> {
     }
 
     /// A cycle of the modules.
-    #[inline]
+    #[inline(always)]
     fn read(&mut self, frames: &[FrameSetup], released: u32, beams: &mut Channel<Beam<F::Output>>) -> Activity {
         if let (Some(modules), Some(state)) = (&self.modules, &mut self.state.modules) {
             modules.ask(state, frames, &self.specs, released);
@@ -364,43 +379,44 @@ impl<F: Fetch> CfbUnit<F> {
         piece.is_some() && (!last || beams.can_push())
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&mut self, frames: &[FrameSetup], released: u32, beams: &mut Channel<Beam<F::Output>>) -> Activity {
         if self.done() || self.state.scan.frame >= released {
             return Activity::Starved;
         }
-        let Scan { frame, section, plane, depth, spent } = self.state.scan;
-        let (setup, spec) = (&frames[frame as usize], self.specs[frame as usize]);
-        let piece = self.state.scan.piece(&setup.geometry, &spec.sections);
+        let CfbUnit { specs, memory, modules, port, state, .. } = self;
+        let Scan { frame, section, plane, depth, spent } = state.scan;
+        let (setup, spec) = (&frames[frame as usize], &specs[frame as usize]);
+        let piece = state.scan.piece(&setup.geometry, &spec.sections);
         let last = spent + 1 >= spec.piece_cycles(piece.as_ref());
         if last && !beams.can_push() {
             return Activity::Blocked;
         }
-        if let (Some(modules), Some(state)) = (&self.modules, &mut self.state.modules) {
-            if let Some(activity) = modules.take(state, &setup.geometry, &spec, &self.state.scan) {
+        if let (Some(modules), Some(supply)) = (modules, &mut state.modules) {
+            if let Some(activity) = modules.take(supply, &setup.geometry, spec, &state.scan) {
                 return activity;
             }
             if last {
-                modules.end_beam(state, &setup.geometry, &spec, &self.state.scan);
+                modules.end_beam(supply, &setup.geometry, spec, &state.scan);
             }
         }
-        self.state.scan.spent += 1;
+        state.scan.spent += 1;
         if last && let Some(beam) = beams.push_slot() {
             beam.frame = frame;
             beam.section = section;
             beam.plane = plane;
             beam.depth = depth;
             beam.row = piece.as_ref().map(|piece| piece.row);
-            beam.voxels = piece.as_ref().map_or(0, |piece| piece.columns.iter().map(Range::len).sum::<usize>() as u32);
+            beam.voxels = piece.as_ref().map_or(0, Piece::voxels);
             if let Some(v) = beam.row {
-                self.memory.fetch(setup, plane as usize, v as usize, depth as usize, &mut beam.data);
+                memory.fetch(setup, plane as usize, v as usize, depth as usize, &mut beam.data);
                 let below = setup.geometry.row_below(plane as usize, depth as usize);
-                self.state.fetched += 1 + u64::from(spec.rows == 2 && below.is_some());
-                if let Some(port) = &mut self.port {
+                state.fetched += 1 + u64::from(spec.rows == 2 && below.is_some());
+                if let Some(port) = port {
                     port.fetched();
                 }
             }
-            self.state.scan.advance(&setup.geometry, &spec.sections);
+            state.scan.advance(&setup.geometry, &spec.sections);
         }
         if spent < spec.work_cycles(piece.as_ref()) { Activity::Busy } else { Activity::Waiting(Reason::BankConflict) }
     }
@@ -441,7 +457,7 @@ impl<F> Archived for CfbUnit<F> {
 }
 
 /// The row of the volume that plane `plane` of ray slots has at a depth.
-#[inline]
+#[inline(always)]
 pub(crate) fn row(geometry: &Geometry, plane: u32, depth: u32) -> Option<u32> {
     if let Some(pass) = &geometry.perspective {
         return u32::try_from(pass.v.near(plane as usize, depth as usize))
@@ -451,7 +467,12 @@ pub(crate) fn row(geometry: &Geometry, plane: u32, depth: u32) -> Option<u32> {
     let rows = geometry.size[1] as u32;
     let shift = geometry.v.columns[depth as usize];
     match geometry.slots {
-        RaySlots::Wrapped => Some((plane + shift) % rows),
+        // Mostly no division is needed, which takes longer than all else of a cycle.
+        RaySlots::Wrapped => Some(match plane + shift {
+            row if row < rows => row,
+            row if row < 2 * rows => row - rows,
+            row => row % rows,
+        }),
         RaySlots::Padded => (plane + shift).checked_sub(geometry.shear_v() as u32).filter(|&row| row < rows),
     }
 }

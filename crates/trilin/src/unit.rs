@@ -582,7 +582,7 @@ impl<I: Interpolate> TrilinUnit<I> {
         Activity::Busy
     }
 
-    #[inline]
+    #[inline(always)]
     fn give(&mut self, frames: &[FrameSetup], [frame, plane, slot]: [u32; 3], output: &mut SampleRay<I::Output>) {
         output.frame = frame;
         output.plane = plane;

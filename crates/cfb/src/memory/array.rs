@@ -78,7 +78,7 @@ impl Modules {
         let cfb = &machine.cfb;
         let timing = Timing::of(machine);
         let last = terms.iter().filter_map(|terms| terms.iter().max()).sum();
-        let rows = (timing.place(last).row + 1).min(Modules::MOST_ROWS);
+        let rows = timing.rows.map_or(0, |_| (timing.place(last).row + 1).min(Modules::MOST_ROWS));
         Some(Modules {
             banks: (0..rows).map(|row| timing.bank(row) as u8).collect(),
             timing,
@@ -121,7 +121,7 @@ impl Modules {
         while self.room(state) && state.ahead.frame < last {
             let Scan { frame, plane, depth, spent, .. } = state.ahead;
             let geometry = &frames[frame as usize].geometry;
-            let spec = specs[frame as usize];
+            let spec = &specs[frame as usize];
             let piece = state.ahead.piece(geometry, &spec.sections);
             let cycles = spec.piece_cycles(piece.as_ref());
             let row = piece.as_ref().map(|piece| piece.row as usize);

@@ -60,9 +60,10 @@ pub struct BlockState {
     next: i64,
     /// The beam whose rows are asked for next, and in `spent` which of them.
     ahead: Scan,
-    /// The tick before which no module can ask, unless a frame is released.
+    /// The tick before which each module cannot ask, and the least of them; the end of time where no row is left to ask for, or no room.
+    wakes: Vec<i64>,
     wake: i64,
-    /// Frames that had been released when no row was left to ask for, or no room.
+    /// Frames that had been released then, where some module has come to that.
     held: Option<u32>,
     readers: Vec<Reader>,
     /// Rows in the buffer, and places for others.
@@ -183,6 +184,7 @@ impl BlockModules {
             now: 0,
             next,
             ahead: Scan::default(),
+            wakes: vec![i64::MIN; self.lanes],
             wake: i64::MIN,
             held: None,
             readers: (0..self.lanes).map(|_| reader()).collect(),
@@ -206,27 +208,44 @@ impl BlockModules {
     #[inline]
     pub(crate) fn ask(&self, state: &mut BlockState, frames: &[FrameSetup], specs: &[CfbSpec], released: u32) {
         let released = released.min(frames.len() as u32);
-        if state.now < state.wake && state.held.is_none_or(|held| held == released) {
+        if state.held.is_some_and(|held| held != released) {
+            state.wake_all();
+        }
+        if state.now < state.wake {
             return;
         }
-        (state.wake, state.held) = (i64::MAX, None);
+        state.wake = i64::MAX;
         for module in 0..self.lanes {
-            loop {
-                let open = &mut state.readers[module].open;
-                while open.front().is_some_and(|burst| burst.served.ready < state.now) {
-                    open.pop_front();
-                }
-                if let Some(tick) = self.held_until(open, state.now) {
-                    state.wake = state.wake.min(tick);
-                    break;
-                }
-                let Some((place, mini)) = self.next_mini(state, module, frames, specs, released) else {
-                    state.held = Some(released);
-                    break;
-                };
-                let frame = state.rows[place].frame as usize;
-                self.read(state, module, place, mini, &frames[frame].geometry);
+            if state.wakes[module] <= state.now {
+                state.wakes[module] = self.ask_of(state, module, frames, specs, released);
             }
+            state.wake = state.wake.min(state.wakes[module]);
+        }
+    }
+
+    /// Has a module ask for bursts as far ahead as it may. The tick before which it cannot ask for more.
+    fn ask_of(
+        &self,
+        state: &mut BlockState,
+        module: usize,
+        frames: &[FrameSetup],
+        specs: &[CfbSpec],
+        released: u32,
+    ) -> i64 {
+        loop {
+            let open = &mut state.readers[module].open;
+            while open.front().is_some_and(|burst| burst.served.ready < state.now) {
+                open.pop_front();
+            }
+            if let Some(tick) = self.held_until(open, state.now) {
+                return tick;
+            }
+            let Some((place, mini)) = self.next_mini(state, module, frames, specs, released) else {
+                state.held = Some(released);
+                return i64::MAX;
+            };
+            let frame = state.rows[place].frame as usize;
+            self.read(state, module, place, mini, &frames[frame].geometry);
         }
     }
 
@@ -246,7 +265,17 @@ impl BlockModules {
             let front = open.front().filter(|_| open.len() >= self.timing.look_ahead)?;
             return Some(front.served.ready + 1);
         }
-        (open.iter().map(missing).sum::<i64>() >= self.timing.look_ahead as i64).then_some(now + 1)
+        let front = open.front()?;
+        let excess = open.iter().map(missing).sum::<i64>() - self.timing.look_ahead as i64;
+        if excess < 0 {
+            return None;
+        }
+        if (self.unit, self.freed) != (LookAheadUnit::Words, LookAheadFreed::Word) {
+            return Some(now + 1);
+        }
+        // One word more than the excess has to leave, and no burst gives any before the front one is over.
+        let stays = (missing(front) - excess - 1).max(0);
+        Some((front.served.ready + 1 - stays / rate).max(front.first + 1))
     }
 
     /// The row and mini-block that a module reads from next, if there is any.
@@ -390,7 +419,7 @@ impl BlockModules {
 
     /// What the frame buffer does in this cycle while mini-blocks of its step are not there; none where all are. The step is that of the
     /// beam at `at` and its row `v` of voxels, and of these voxels along u.
-    #[inline]
+    #[inline(never)]
     pub(crate) fn waits(
         &self,
         state: &mut BlockState,
@@ -484,7 +513,7 @@ impl BlockModules {
                 }
                 *words -= words_of(minis.len());
             }
-            state.wake = i64::MIN;
+            state.wake_all();
         }
     }
 }
@@ -507,6 +536,14 @@ pub fn reorder_words(machine: &MachineSpec, frames: &[FrameSetup]) -> Result<u64
 }
 
 impl BlockState {
+    /// Modules for which no row was left, or no room, look again.
+    fn wake_all(&mut self) {
+        if self.held.take().is_some() {
+            self.wakes.iter_mut().filter(|wake| **wake == i64::MAX).for_each(|wake| *wake = i64::MIN);
+            self.wake = i64::MIN;
+        }
+    }
+
     /// Ends the pipeline cycle.
     #[inline]
     pub(crate) fn end_cycle(&mut self) {

@@ -46,7 +46,7 @@ impl Supply {
     }
 
     /// Has the modules ask for words ahead of the scan, in frames before `released`.
-    #[inline]
+    #[inline(never)]
     pub(crate) fn ask(&self, state: &mut SupplyState, frames: &[FrameSetup], specs: &[CfbSpec], released: u32) {
         match (self, state) {
             (Supply::Beams(modules), SupplyState::Beams(state)) => modules.ask(state, frames, specs, released),
@@ -89,7 +89,7 @@ impl Supply {
     }
 
     /// A beam is over.
-    #[inline]
+    #[inline(never)]
     pub(crate) fn end_beam(&self, state: &mut SupplyState, geometry: &Geometry, spec: &CfbSpec, scan: &Scan) {
         if let (Supply::Blocks(modules), SupplyState::Blocks(state)) = (self, state) {
             modules.leave(state, scan.frame, &At::of(scan, geometry, &spec.sections));
