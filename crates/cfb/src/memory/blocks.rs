@@ -265,17 +265,7 @@ impl BlockModules {
             let front = open.front().filter(|_| open.len() >= self.timing.look_ahead)?;
             return Some(front.served.ready + 1);
         }
-        let front = open.front()?;
-        let excess = open.iter().map(missing).sum::<i64>() - self.timing.look_ahead as i64;
-        if excess < 0 {
-            return None;
-        }
-        if (self.unit, self.freed) != (LookAheadUnit::Words, LookAheadFreed::Word) {
-            return Some(now + 1);
-        }
-        // One word more than the excess has to leave, and no burst gives any before the front one is over.
-        let stays = (missing(front) - excess - 1).max(0);
-        Some((front.served.ready + 1 - stays / rate).max(front.first + 1))
+        (open.iter().map(missing).sum::<i64>() >= self.timing.look_ahead as i64).then_some(now + 1)
     }
 
     /// The row and mini-block that a module reads from next, if there is any.
