@@ -260,3 +260,25 @@ pub fn channels(machine: &MachineSpec, frames: &[FrameSetup]) -> Channels {
         ..sizes
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cube3_host::{Boards, Cone, ConeKind};
+
+    #[test]
+    fn words_of_a_lane_are_its_cones_kept_or_not() {
+        for kind in [ConeKind::FoldedTree, ConeKind::ShiftedTree, ConeKind::Chain, ConeKind::Accumulator] {
+            let boards = Boards { count: 256, ..Boards::default() };
+            let machine = MachineSpec { lanes: 512, boards, cone: Cone { kind }, ..MachineSpec::default() };
+            let cone = ConeSpec::of(&machine, 700);
+            let links = ConeLinks::new(cone);
+            assert_eq!(links.kept.len(), ConeLinks::MOST, "half of the lanes");
+            let (mut memory, mut expected) = (vec![[7; 2]; 256], vec![[0; 2]; 256]);
+            for start in 0..512 {
+                cone.link_words(start, &mut expected);
+                assert_eq!(links.words(start, &mut memory), expected, "{kind:?} from lane {start}");
+            }
+        }
+    }
+}

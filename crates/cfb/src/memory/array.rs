@@ -339,6 +339,18 @@ mod tests {
         steps
     }
 
+    #[test]
+    fn a_word_is_where_the_table_of_times_says_with_its_row_kept_or_not() {
+        for (kind, kept) in [(MemoryType::Sdram, Modules::MOST_ROWS), (MemoryType::Vram, 0)] {
+            let cfb = Cfb { memory: kind, ..Cfb::default() };
+            let modules = Modules::new(&MachineSpec { lanes: 1, cfb, ..MachineSpec::default() }, [512; 3]).unwrap();
+            assert_eq!(modules.banks.len() as u64, kept);
+            for word in (0..1 << 27).step_by(509).chain([(1 << 27) - 1]) {
+                assert_eq!(modules.place(word), modules.timing.place(word));
+            }
+        }
+    }
+
     proptest! {
         #[test]
         fn modules_that_nothing_tells_apart_are_one_and_the_others_read_their_voxels(
