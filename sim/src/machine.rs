@@ -13,8 +13,8 @@ use cube3_cfb::golden::Skew;
 use cube3_cfb::memory::{MemoryCounters, ReorderCounters, ReorderError, Supply};
 use cube3_cfb::{AcquisitionPort, Beam, CfbSpec, CfbUnit, Fetch, FrameBuffer, FrameBufferError, NoVoxels, PortSpec};
 use cube3_channel::{
-    Account, Activity, Archive, ArchiveError, Archived, Channel, ChannelCounters, ChannelError, Deadlock, PortState,
-    Wait, diagnose,
+    Account, Archive, ArchiveError, Archived, Channel, ChannelCounters, ChannelError, Deadlock, PortState, Wait,
+    diagnose,
 };
 use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelGroup, Pixels, Reduce, Reducer};
 use cube3_dsb::bus::{Align, BusCounters, BusUnit, NoBus};
@@ -410,10 +410,9 @@ impl<F: Fidelity> Machine<F> {
         self.cfb.port()
     }
 
-    /// One cycle. Every unit ticks, each with the channels at its ends; then every channel commits. What each unit did, in the
-    /// order of [`Machine::UNITS`].
+    /// One cycle. Every unit ticks, each with the channels at its ends; then every channel commits. Whether a unit was active.
     #[inline(always)]
-    fn tick(&mut self) -> [Activity; UNITS] {
+    fn tick(&mut self) -> bool {
         let frames = &self.frames;
         let released = if self.overlap { u32::MAX } else { self.host.frames_done() + 1 };
         let host = self.host.tick(frames, &mut self.pixels);
@@ -428,7 +427,14 @@ impl<F: Fidelity> Machine<F> {
         if self.host.frames_done() as usize > self.frame_ends.len() {
             self.frame_ends.push(self.cycle);
         }
-        [cfb, bus, write, read, trilin, abc, cone, host]
+        cfb.is_active()
+            || bus.is_active()
+            || write.is_active()
+            || read.is_active()
+            || trilin.is_active()
+            || abc.is_active()
+            || cone.is_active()
+            || host.is_active()
     }
 
     /// What each channel has counted, and the token that it was given last, where it holds it, with the cycles that its words on links
@@ -501,7 +507,7 @@ impl<F: Fidelity> Machine<F> {
             if self.cycle >= stop {
                 return Ok(false);
             }
-            if self.tick().into_iter().any(Activity::is_active) {
+            if self.tick() {
                 self.last_move = self.cycle;
             } else if !self.in_flight() {
                 return Err(self.deadlock());

@@ -669,6 +669,8 @@ pub struct AbcUnit<A> {
     frames: Vec<(AbcSpec, A)>,
     passes: Vec<Pass>,
     state: State,
+    /// Planes of the pass that is taken for which the ring has a buffer, as `state` says.
+    room: u64,
     account: Account,
 }
 
@@ -698,6 +700,27 @@ struct State {
     give_spent: u64,
 }
 
+impl<A> AbcUnit<A> {
+    /// Finds for which planes of the pass that is being taken the ring has a buffer: the plane above the one being shaded is still needed. The
+    /// buffers of first planes serve two passes, the one being shaded and the next.
+    fn look(&mut self) {
+        let State { taking, giving, next, .. } = self.state;
+        self.room = match (self.passes.get(giving as usize), self.passes.get(taking as usize)) {
+            (None, _) => u64::MAX,
+            (_, None) => 0,
+            _ if taking > giving + 1 => 0,
+            (Some(giving), Some(taking)) => {
+                let spec = &self.frames[giving.frame as usize].0;
+                let behind = giving.planes + spec.oldest(next[0]) + spec.ring;
+                let room = behind.saturating_sub(taking.planes);
+                // The next frame's ring may be the smaller one: its neighbours may be nearer.
+                let other = taking.frame != giving.frame;
+                if other { room.min(self.frames[taking.frame as usize].0.ring) } else { room }
+            }
+        };
+    }
+}
+
 impl<A: Shade> AbcUnit<A> {
     /// The unit's name.
     pub const NAME: &'static str = "abc";
@@ -717,7 +740,7 @@ impl<A: Shade> AbcUnit<A> {
                 }
             }
         }
-        let mut unit = AbcUnit { frames, passes, state: State::default(), account: Account::default() };
+        let mut unit = AbcUnit { frames, passes, state: State::default(), room: 0, account: Account::default() };
         unit.aim();
         unit
     }
@@ -731,6 +754,7 @@ impl<A: Shade> AbcUnit<A> {
             }
             self.state.giving += 1;
         }
+        self.look();
     }
 
     /// One cycle: a ray is taken and a ray is given, at most. `frames` are the registers of all frames.
@@ -757,7 +781,7 @@ impl<A: Shade> AbcUnit<A> {
         let Some(ray) = samples.front() else {
             return samples.lack();
         };
-        if !self.has_buffer(u64::from(ray.plane)) {
+        if u64::from(ray.plane) >= self.room {
             return Activity::Blocked;
         }
         let frame = ray.frame as usize;
@@ -772,26 +796,11 @@ impl<A: Shade> AbcUnit<A> {
         self.state.take_spent = 0;
         self.state.taken += 1;
         let behind = self.passes.get(self.state.taking as usize + 1);
-        self.state.taking += u32::from(behind.is_some_and(|behind| behind.rays == self.state.taken));
+        if behind.is_some_and(|behind| behind.rays == self.state.taken) {
+            self.state.taking += 1;
+            self.look();
+        }
         Activity::Busy
-    }
-
-    /// Whether the ring has a buffer for a plane of the pass that is being taken: the one above the plane being shaded is still needed. The
-    /// buffers of first planes serve two passes, the one being shaded and the next.
-    #[inline]
-    fn has_buffer(&self, plane: u64) -> bool {
-        let Some(giving) = self.passes.get(self.state.giving as usize) else {
-            return true;
-        };
-        let Some(taking) = self.passes.get(self.state.taking as usize) else {
-            return false;
-        };
-        let spec = &self.frames[giving.frame as usize].0;
-        // The next frame's ring may be the smaller one: its neighbours may be nearer.
-        let ring = &self.frames[taking.frame as usize].0.ring;
-        self.state.taking <= self.state.giving + 1
-            && taking.planes + plane < giving.planes + spec.oldest(self.state.next[0]) + spec.ring
-            && (taking.frame == giving.frame || plane < *ring)
     }
 
     #[inline]
@@ -821,10 +830,12 @@ impl<A: Shade> AbcUnit<A> {
         *slot += 1;
         if *slot == pass.given.end {
             (*plane, *slot) = (*plane + 1, pass.given.start);
-        }
-        if *plane == spec.planes {
-            self.state.giving += 1;
-            self.aim();
+            if *plane == spec.planes {
+                self.state.giving += 1;
+                self.aim();
+            } else {
+                self.look();
+            }
         }
         Activity::Busy
     }
@@ -837,7 +848,7 @@ impl<A: Shade> AbcUnit<A> {
     /// What stops the unit inside, when nothing moves.
     pub fn inner_wait(&self, samples: &Channel<SampleRay<A::Input>>) -> Option<Wait> {
         let ray = samples.front()?;
-        if self.has_buffer(u64::from(ray.plane)) {
+        if u64::from(ray.plane) < self.room {
             return None;
         }
         let pass = self.passes.get(self.state.giving as usize)?;
@@ -890,9 +901,11 @@ impl Archived for Shader {
 
 impl<A: Archived> Archived for AbcUnit<A> {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let AbcUnit { frames, passes: _, state, account } = self;
+        let AbcUnit { frames, passes: _, state, room: _, account } = self;
         archive.item(state)?;
         archive.item(account)?;
-        frames.iter_mut().try_for_each(|(_, arithmetic)| arithmetic.archive(archive))
+        frames.iter_mut().try_for_each(|(_, arithmetic)| arithmetic.archive(archive))?;
+        self.look();
+        Ok(())
     }
 }

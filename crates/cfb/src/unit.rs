@@ -122,6 +122,17 @@ pub struct Piece {
     pub columns: [Range<usize>; 2],
 }
 
+/// A beam that is fetched, or a piece of one.
+#[derive(Clone, Copy, Debug)]
+struct Fetching {
+    /// Row v of the volume, where there is something to fetch.
+    row: Option<u32>,
+    voxels: u32,
+    cycles: u64,
+    /// Of these the cycles without conflicts.
+    work: u64,
+}
+
 impl Piece {
     /// How many voxels it has.
     #[inline(always)]
@@ -170,14 +181,26 @@ impl CfbSpec {
         }
     }
 
-    /// Of these the cycles without conflicts.
-    #[inline]
-    fn work_cycles(&self, piece: Option<&Piece>) -> u64 {
-        match piece {
-            Some(Piece { columns: [first, second], .. }) if !self.sections.is_whole() => {
-                (first.len() + second.len()).div_ceil(self.lanes) as u64
-            }
-            _ => self.beam_cycles,
+    /// What the scan fetches.
+    #[inline(always)]
+    fn fetching(&self, geometry: &Geometry, scan: &Scan) -> Fetching {
+        if !self.sections.is_whole() {
+            return self.fetching_piece(geometry, scan);
+        }
+        let row = row(geometry, scan.plane, scan.depth);
+        let voxels = if row.is_some() { geometry.size[0] as u32 } else { 0 };
+        Fetching { row, voxels, cycles: self.cycles(row), work: self.beam_cycles }
+    }
+
+    #[inline(never)]
+    fn fetching_piece(&self, geometry: &Geometry, scan: &Scan) -> Fetching {
+        let piece = scan.piece(geometry, &self.sections);
+        let voxels = piece.as_ref().map_or(0, Piece::voxels);
+        Fetching {
+            row: piece.as_ref().map(|piece| piece.row),
+            voxels,
+            cycles: self.piece_cycles(piece.as_ref()),
+            work: if piece.is_some() { u64::from(voxels).div_ceil(self.lanes as u64) } else { self.beam_cycles },
         }
     }
 
@@ -374,9 +397,9 @@ impl<F: Fetch> CfbUnit<F> {
             return false;
         }
         let spec = &self.specs[frame as usize];
-        let piece = self.state.scan.piece(&frames[frame as usize].geometry, &spec.sections);
-        let last = spent + 1 >= spec.piece_cycles(piece.as_ref());
-        piece.is_some() && (!last || beams.can_push())
+        let fetching = spec.fetching(&frames[frame as usize].geometry, &self.state.scan);
+        let last = spent + 1 >= fetching.cycles;
+        fetching.row.is_some() && (!last || beams.can_push())
     }
 
     #[inline(always)]
@@ -387,8 +410,8 @@ impl<F: Fetch> CfbUnit<F> {
         let CfbUnit { specs, memory, modules, port, state, .. } = self;
         let Scan { frame, section, plane, depth, spent } = state.scan;
         let (setup, spec) = (&frames[frame as usize], &specs[frame as usize]);
-        let piece = state.scan.piece(&setup.geometry, &spec.sections);
-        let last = spent + 1 >= spec.piece_cycles(piece.as_ref());
+        let Fetching { row, voxels, cycles, work } = spec.fetching(&setup.geometry, &state.scan);
+        let last = spent + 1 >= cycles;
         if last && !beams.can_push() {
             return Activity::Blocked;
         }
@@ -406,9 +429,9 @@ impl<F: Fetch> CfbUnit<F> {
             beam.section = section;
             beam.plane = plane;
             beam.depth = depth;
-            beam.row = piece.as_ref().map(|piece| piece.row);
-            beam.voxels = piece.as_ref().map_or(0, Piece::voxels);
-            if let Some(v) = beam.row {
+            beam.row = row;
+            beam.voxels = voxels;
+            if let Some(v) = row {
                 memory.fetch(setup, plane as usize, v as usize, depth as usize, &mut beam.data);
                 let below = setup.geometry.row_below(plane as usize, depth as usize);
                 state.fetched += 1 + u64::from(spec.rows == 2 && below.is_some());
@@ -418,7 +441,7 @@ impl<F: Fetch> CfbUnit<F> {
             }
             state.scan.advance(&setup.geometry, &spec.sections);
         }
-        if spent < spec.work_cycles(piece.as_ref()) { Activity::Busy } else { Activity::Waiting(Reason::BankConflict) }
+        if spent < work { Activity::Busy } else { Activity::Waiting(Reason::BankConflict) }
     }
 
     /// Whether every beam of every frame has been sent.

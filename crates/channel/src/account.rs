@@ -107,13 +107,23 @@ impl Account {
     /// Counts a cycle, and gives back what it was.
     #[inline]
     pub fn record(&mut self, activity: Activity) -> Activity {
+        if activity == Activity::Busy {
+            self.busy += 1;
+        } else {
+            self.record_rest(activity);
+        }
+        activity
+    }
+
+    /// Counts a cycle without work.
+    #[inline(never)]
+    fn record_rest(&mut self, activity: Activity) {
         match activity {
-            Activity::Busy => self.busy += 1,
+            Activity::Busy => {}
             Activity::Starved => self.starved += 1,
             Activity::Blocked => self.blocked += 1,
             Activity::Waiting(reason) => self.waiting[reason as usize] += 1,
         }
-        activity
     }
 
     /// What the unit did in the one cycle since `before`.

@@ -14,15 +14,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug)]
 pub struct Channel<T> {
     name: &'static str,
+    /// A ring of a power of two of places: tokens take them in the order in which they are pushed, and `counters` says which are held.
     slots: Box<[Slot<T>]>,
-    head: usize,
-    len: usize,
-    capacity: usize,
+    mask: u64,
+    capacity: u64,
+    /// The capacity, or 0 where links have no room for the words of a token.
+    room: u64,
     latency: u64,
     now: u64,
-    pushed: bool,
-    popped: bool,
-    shut: bool,
+    /// Tokens pushed in all once one has been pushed in this cycle, and the same of pops; 0 where none can be.
+    push_limit: u64,
+    pop_limit: u64,
     counters: ChannelCounters,
 }
 
@@ -82,14 +84,13 @@ impl<T: Default> Channel<T> {
         Ok(Channel {
             name,
             slots: (0..ring).map(|_| Slot { ready: 0, late: 0, token: T::default() }).collect(),
-            head: 0,
-            len: 0,
-            capacity,
+            mask: ring as u64 - 1,
+            capacity: capacity as u64,
+            room: capacity as u64,
             latency,
             now: 0,
-            pushed: false,
-            popped: false,
-            shut: false,
+            push_limit: 1,
+            pop_limit: 0,
             counters: ChannelCounters::default(),
         })
     }
@@ -104,63 +105,58 @@ impl<T: Default> Channel<T> {
 impl<T> Channel<T> {
     /// Puts a token into every place that has none, so that its memory is there before the first is pushed.
     pub fn furnish(&mut self, mut token: impl FnMut() -> T) {
-        for behind in self.len..self.slots.len() {
-            let place = self.place(behind);
-            self.slots[place].token = token();
+        let ChannelCounters { pushes, pops, .. } = self.counters;
+        for behind in pushes..pops + self.slots.len() as u64 {
+            self.slots[place(self.mask, behind)].token = token();
         }
-    }
-
-    /// The place that is so many behind the head: the ring has a power of two of them.
-    #[inline]
-    fn place(&self, behind: usize) -> usize {
-        (self.head + behind) & (self.slots.len() - 1)
     }
 
     /// Whether a token can be pushed in this cycle: a credit is there, nothing has been pushed yet, and links have room for its words.
     #[inline]
     pub fn can_push(&self) -> bool {
-        !self.shut && self.has_credit()
-    }
-
-    #[inline]
-    fn has_credit(&self) -> bool {
-        !self.pushed && self.len + usize::from(self.popped) < self.capacity
+        self.counters.pushes < self.push_limit
     }
 
     /// What a unit does that has a token and cannot push it: it waits for room on links, or is blocked by the channel.
     #[inline]
     pub fn refusal(&self) -> Activity {
-        if self.shut && self.has_credit() { Activity::Waiting(Reason::Link) } else { Activity::Blocked }
+        let held_before = if self.pop_limit == 0 { 0 } else { self.counters.pushes - (self.pop_limit - 1) };
+        if self.room == 0 && held_before < self.capacity { Activity::Waiting(Reason::Link) } else { Activity::Blocked }
     }
 
     /// What a unit does that finds no token at the front: it waits for the words of one that is there, or has nothing to work on.
     #[inline]
     pub fn lack(&self) -> Activity {
-        let slot = &self.slots[self.head];
-        let waits = self.len > 0 && !self.popped && slot.ready > self.now && slot.ready - slot.late <= self.now;
+        let slot = &self.slots[place(self.mask, self.counters.pops)];
+        let waits = self.counters.pops < self.pop_limit && slot.ready > self.now && slot.ready - slot.late <= self.now;
         if waits { Activity::Waiting(Reason::Link) } else { Activity::Starved }
+    }
+
+    #[inline]
+    fn has_pushed(&self) -> bool {
+        self.push_limit > 0 && self.counters.pushes == self.push_limit
     }
 
     /// The token that was pushed in this cycle.
     #[inline]
     pub fn pushed(&self) -> Option<&T> {
-        if self.pushed { self.newest() } else { None }
+        if self.has_pushed() { self.newest() } else { None }
     }
 
     /// Makes the token that was pushed in this cycle so many cycles later: its words wait on links.
     #[inline]
     pub fn delay(&mut self, cycles: u64) {
-        if self.pushed && self.len > 0 {
-            let place = self.place(self.len - 1);
-            self.slots[place].ready += cycles;
-            self.slots[place].late = cycles;
+        if self.has_pushed() {
+            let slot = &mut self.slots[place(self.mask, self.counters.pushes - 1)];
+            slot.ready += cycles;
+            slot.late = cycles;
         }
     }
 
-    /// Whether links have no room for the words of the next token.
+    /// Whether links have no room for the words of a token of the next cycle.
     #[inline]
     pub fn shut(&mut self, shut: bool) {
-        self.shut = shut;
+        self.room = if shut { 0 } else { self.capacity };
     }
 
     /// Pushes a token; gives it back where there is no credit.
@@ -191,11 +187,8 @@ impl<T> Channel<T> {
         if !self.can_push() {
             return None;
         }
-        self.pushed = true;
+        let slot = &mut self.slots[place(self.mask, self.counters.pushes)];
         self.counters.pushes += 1;
-        let place = self.place(self.len);
-        self.len += 1;
-        let slot = &mut self.slots[place];
         slot.ready = self.now + self.latency + extra;
         slot.late = 0;
         Some(&mut slot.token)
@@ -204,10 +197,10 @@ impl<T> Channel<T> {
     /// The oldest token, where it has arrived and none has been popped in this cycle.
     #[inline]
     pub fn front(&self) -> Option<&T> {
-        if self.len == 0 || self.popped {
+        if self.counters.pops >= self.pop_limit {
             return None;
         }
-        let slot = &self.slots[self.head];
+        let slot = &self.slots[place(self.mask, self.counters.pops)];
         (slot.ready <= self.now).then_some(&slot.token)
     }
 
@@ -215,11 +208,8 @@ impl<T> Channel<T> {
     #[inline]
     pub fn pop_slot(&mut self) -> Option<&mut T> {
         self.front()?;
-        self.popped = true;
+        let place = place(self.mask, self.counters.pops);
         self.counters.pops += 1;
-        let place = self.head;
-        self.head = self.place(1);
-        self.len -= 1;
         Some(&mut self.slots[place].token)
     }
 
@@ -227,47 +217,65 @@ impl<T> Channel<T> {
     #[inline]
     pub fn commit(&mut self) {
         self.now += 1;
-        self.pushed = false;
-        self.popped = false;
-        let held = self.len as u64;
+        let held = self.counters.pushes - self.counters.pops;
         self.counters.occupancy_cycles += held;
-        self.counters.max_occupancy = self.counters.max_occupancy.max(held);
+        if held > self.counters.max_occupancy {
+            self.counters.max_occupancy = held;
+        }
+        self.open();
+    }
+
+    /// Sets what can be pushed and popped in a new cycle: one token, where there is room and where there is one.
+    #[inline]
+    fn open(&mut self) {
+        let ChannelCounters { pushes, pops, .. } = self.counters;
+        self.push_limit = if pushes - pops < self.room { pushes + 1 } else { 0 };
+        self.pop_limit = if pushes > pops { pops + 1 } else { 0 };
     }
 
     /// Whether a token was on its way in the cycle that the last commit ended, so that time alone will change, or has just
     /// changed, what can be popped.
     pub fn in_flight(&self) -> bool {
-        (0..self.len).any(|i| self.slots[self.place(i)].ready >= self.now)
+        self.slots_held().any(|slot| slot.ready >= self.now)
+    }
+
+    /// The places of the tokens held, oldest first.
+    fn slots_held(&self) -> impl Iterator<Item = &Slot<T>> {
+        let ChannelCounters { pushes, pops, .. } = self.counters;
+        (pops..pushes).map(|token| &self.slots[place(self.mask, token)])
+    }
+
+    #[inline]
+    fn newest_slot(&self) -> Option<&Slot<T>> {
+        let ChannelCounters { pushes, pops, .. } = self.counters;
+        (pushes > pops).then(|| &self.slots[place(self.mask, pushes - 1)])
     }
 
     /// The token that was pushed last, while it is held.
     #[inline]
     pub fn newest(&self) -> Option<&T> {
-        (self.len > 0).then(|| &self.slots[self.place(self.len - 1)].token)
+        self.newest_slot().map(|slot| &slot.token)
     }
 
     /// Cycles that the token pushed last waits for words on links, while it is held.
     #[inline]
     pub fn newest_late(&self) -> u64 {
-        if self.len > 0 { self.slots[self.place(self.len - 1)].late } else { 0 }
+        self.newest_slot().map_or(0, |slot| slot.late)
     }
 
     /// The tokens held, oldest first, each with the cycles until it can be popped.
     pub fn held(&self) -> impl Iterator<Item = (&T, u64)> {
-        (0..self.len).map(|i| {
-            let Slot { ready, token, .. } = &self.slots[self.place(i)];
-            (token, ready.saturating_sub(self.now))
-        })
+        self.slots_held().map(|slot| (&slot.token, slot.ready.saturating_sub(self.now)))
     }
 
     /// Tokens held, those on their way included.
     pub fn occupancy(&self) -> usize {
-        self.len
+        (self.counters.pushes - self.counters.pops) as usize
     }
 
     /// Tokens that fit.
     pub fn capacity(&self) -> usize {
-        self.capacity
+        self.capacity as usize
     }
 
     /// Cycles from push to pop.
@@ -286,23 +294,33 @@ impl<T> Channel<T> {
     }
 }
 
+/// The place of a token of a ring, counted from the first that was pushed.
+#[inline(always)]
+fn place(mask: u64, token: u64) -> usize {
+    (token & mask) as usize
+}
+
 /// Tokens held are archived, and not the memory of those that have left. Between two cycles only: nothing pushed or popped.
 impl<T: Payload> Archived for Channel<T> {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let Channel { name, slots, head, len, capacity, latency: _, now, pushed: _, popped: _, shut, counters } = self;
+        let Channel { name, slots, mask, capacity, room, latency: _, now, push_limit: _, pop_limit: _, counters } =
+            self;
+        let (mut shut, mut held) = (*room == 0, counters.pushes - counters.pops);
         archive.item(now)?;
-        archive.item(shut)?;
+        archive.item(&mut shut)?;
         archive.item(counters)?;
-        archive.item(len)?;
-        if *len > *capacity {
-            return Err(ArchiveError::Tokens { name, found: *len, capacity: *capacity });
+        archive.item(&mut held)?;
+        if held > *capacity || counters.pushes.checked_sub(counters.pops) != Some(held) {
+            return Err(ArchiveError::Tokens { name, found: held as usize, capacity: *capacity as usize });
         }
-        for i in 0..*len {
-            let place = (*head + i) & (slots.len() - 1);
-            archive.item(&mut slots[place].ready)?;
-            archive.item(&mut slots[place].late)?;
-            archive.item(&mut slots[place].token)?;
+        for token in counters.pops..counters.pushes {
+            let slot = &mut slots[place(*mask, token)];
+            archive.item(&mut slot.ready)?;
+            archive.item(&mut slot.late)?;
+            archive.item(&mut slot.token)?;
         }
+        self.shut(shut);
+        self.open();
         Ok(())
     }
 }
@@ -465,6 +483,34 @@ mod tests {
         let mut narrow = Channel::<i32>::new("narrow", 2, 1).unwrap();
         let error = Archive::restore(&bytes, &mut narrow).unwrap_err();
         assert_eq!(error, ArchiveError::Tokens { name: "narrow", found: 3, capacity: 2 });
+    }
+
+    /// Counters that do not agree with the tokens would put them into wrong places.
+    #[test]
+    fn no_damaged_byte_gives_more_tokens_than_there_are() {
+        let mut channel = Channel::new("c", 3, 1).unwrap();
+        for token in 0..5 {
+            channel.push(token).unwrap();
+            channel.commit();
+            if token < 3 {
+                channel.pop();
+            }
+        }
+        channel.commit();
+        let bytes = Archive::save(&mut channel).unwrap();
+        let mut refused = 0;
+        for place in 0..bytes.len() {
+            for bit in 0..8 {
+                let mut damaged = bytes.clone();
+                damaged[place] ^= 1 << bit;
+                let mut other = Channel::<i32>::new("c", 3, 1).unwrap();
+                match Archive::restore(&damaged, &mut other) {
+                    Err(_) => refused += 1,
+                    Ok(()) => assert_eq!(other.held().count(), channel.held().count(), "bit {bit} of byte {place}"),
+                }
+            }
+        }
+        assert!(refused > 0);
     }
 
     #[test]

@@ -318,8 +318,8 @@ impl<S: Store> DsbUnit<S> {
         memory.read([section, plane].map(|i| i as usize), below, last, slot as usize, &mut pair.data);
         self.state.read_spent = 0;
         self.state.slot += 1;
-        let slots = spec.sections.slots(section as usize);
-        if self.state.slot as usize == slots.end {
+        if self.state.slot as usize == spec.sections.end(section as usize) {
+            let slots = spec.sections.slots(section as usize);
             self.state.slot = slots.start as u32;
             self.state.plane += 1;
             if last {

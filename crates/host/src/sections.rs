@@ -54,10 +54,14 @@ impl Sections {
     /// The slots of a section; none of a first one that is narrower than what its unit waits for.
     #[inline]
     pub fn slots(&self, section: usize) -> Range<usize> {
-        let edge = |section: usize| {
-            if section > self.last { self.slots } else { (section * self.width).saturating_sub(self.behind) }
-        };
-        edge(section)..edge(section + 1)
+        let start = (section * self.width).saturating_sub(self.behind);
+        if section > self.last { self.slots..self.slots } else { start..self.end(section) }
+    }
+
+    /// The slot behind the last of a section.
+    #[inline]
+    pub fn end(&self, section: usize) -> usize {
+        if section >= self.last { self.slots } else { ((section + 1) * self.width).saturating_sub(self.behind) }
     }
 
     /// The section of a slot.
