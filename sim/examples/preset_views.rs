@@ -1,8 +1,9 @@
 //! Frame rates of the presets over views from all around: `cargo run --release -p cube3 --example preset_views [-- VIEWS [PRESET …]]`.
 
-use cube3::inputs::{PRESETS, machine};
+use cube3::inputs::machine;
 use cube3::limits::frame_interval;
 use cube3_host::{VolumeInfo, frame_setup};
+use cube3_machine::PRESETS;
 use cube3_scene::{Scene, View};
 use std::f64::consts::PI;
 

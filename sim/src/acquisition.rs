@@ -4,7 +4,7 @@
 //! read voxel i (x fastest) of volume ⌈(W − i)/voxels⌉. A frame that reads voxels of more than one volume is *torn*.
 
 use cube3_cfb::{Piece, scan};
-use cube3_host::{Geometry, Sections};
+use cube3_frame::{Geometry, Sections};
 use std::collections::BTreeMap;
 
 /// A frame with what each of its beams, in the order of fetches, has seen written.

@@ -9,7 +9,8 @@
 use crate::fidelity::Fidelity;
 use crate::machine::Machine;
 use cube3_channel::{Archive, ArchiveError, Archived};
-use cube3_host::{FrameSetup, MachineSpec};
+use cube3_frame::FrameSetup;
+use cube3_machine::MachineSpec;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::io::Read;

@@ -3,7 +3,9 @@
 use crate::inputs::LoadedVolume;
 use crate::problem::Outcome;
 use crate::run::{function, show};
-use cube3_host::{FrameSetup, MachineSpec, PictureFrames, RayEnds, picture_setup};
+use cube3_frame::FrameSetup;
+use cube3_host::{PictureFrames, picture_setup};
+use cube3_machine::{MachineSpec, RayEnds};
 use cube3_metrics::{Picture, compare, footprint};
 use cube3_scene::Scene;
 

@@ -9,7 +9,7 @@ use crate::machine::Overflows;
 use cube3_abc::ends::PlaneEnds;
 use cube3_abc::lanes::{AbcLanes, ShadedRow};
 use cube3_cone::lanes::{Accumulator, ConeLanes};
-use cube3_host::{Axes, BasePlane, FrameSetup, HalfSpace};
+use cube3_frame::{Axes, BasePlane, FrameSetup, HalfSpace};
 use cube3_trilin::lanes::TrilinLanes;
 use cube3_word::vectorised;
 use rayon::prelude::*;
@@ -336,7 +336,7 @@ fn inside(clips: &[HalfSpace], v: i64, k: usize, from: i64, to: i64) -> (i64, i6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cube3_host::Linear;
+    use cube3_frame::Linear;
     use proptest::prelude::*;
 
     proptest! {

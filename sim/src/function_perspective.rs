@@ -8,7 +8,7 @@ use crate::machine::Overflows;
 use cube3_abc::ends::PlaneEnds;
 use cube3_abc::lanes::{AbcLanes, ShadedRow};
 use cube3_cone::lanes::{Accumulator, ConeLanes};
-use cube3_host::{FrameSetup, Perspective};
+use cube3_frame::{FrameSetup, Perspective};
 use cube3_trilin::lanes::TrilinLanes;
 use cube3_word::vectorised;
 use std::ops::Range;

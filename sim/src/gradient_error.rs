@@ -1,7 +1,8 @@
 //! How far the machine's gradients are from the true ones, where the scene shows a surface.
 
 use cube3_abc::golden::{Local, Neighbourhood, behind_the_eye, classify_in, local_gradient, normalise};
-use cube3_host::{Basis, DiscreteRay, FrameSetup, Perspective, SLOPE_FRACTION_BITS, whole_step_opacity};
+use cube3_frame::{DiscreteRay, FrameSetup, Perspective, SLOPE_FRACTION_BITS};
+use cube3_host::{Basis, whole_step_opacity};
 use cube3_trilin::golden::{Weights, cell, lift};
 use cube3_volume::VoxelWords;
 use glam::DVec3;

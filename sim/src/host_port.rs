@@ -7,7 +7,8 @@
 
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, ClockDomain, Reason, Transfer};
 use cube3_cone::{PixelCounts, PixelGroup, Pixels};
-use cube3_host::{BasePlane, FrameSetup, MachineSpec};
+use cube3_frame::{BasePlane, FrameSetup};
+use cube3_machine::MachineSpec;
 use serde::{Deserialize, Serialize};
 
 /// What the host does with pixels.

@@ -3,7 +3,8 @@
 use crate::directions;
 use crate::problem::{Outcome, Problem};
 use crate::progress::Waiting;
-use cube3_host::{MachineSpec, VolumeInfo};
+use cube3_host::VolumeInfo;
+use cube3_machine::{MachineSpec, PRESETS};
 use cube3_scene::{FileAxes, Scene, VolumeSource};
 use cube3_volume::{
     ConversionReport, NonFinite, NonFiniteRule, Ordering, Phantom, PhantomParams, ReadOptions, Volume, VolumeError,
@@ -11,17 +12,6 @@ use cube3_volume::{
 };
 use cube3_word::Rounding;
 use std::path::Path;
-
-/// Machines that have a name: name and file.
-pub const PRESETS: [(&str, &str); 7] = [
-    ("cube3-128", MachineSpec::COMMENTED_DEFAULT),
-    ("cube3-256", include_str!("../machines/cube3-256.toml")),
-    ("cube3-512", include_str!("../machines/cube3-512.toml")),
-    ("cube3-board", include_str!("../machines/cube3-board.toml")),
-    ("cube4-teramac", include_str!("../machines/cube4-teramac.toml")),
-    ("em-cube", include_str!("../machines/em-cube.toml")),
-    ("volumepro-500", include_str!("../machines/volumepro-500.toml")),
-];
 
 /// Reads a machine file, or takes a preset by its name.
 ///

@@ -5,9 +5,10 @@ use crate::problem::Outcome;
 use cube3_cfb::PortSpec;
 use cube3_channel::ClockDomain;
 use cube3_dsb::LinkReading;
-use cube3_host::{
-    Acquisition, AcquisitionMode, Boards, Bus, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, FrameSetup, Frames,
-    HostLink, Layout, MachineSpec,
+use cube3_frame::FrameSetup;
+use cube3_machine::{
+    Acquisition, AcquisitionMode, Boards, Bus, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, Frames, HostLink,
+    Layout, MachineSpec,
 };
 use cube3_report::{LimitWithout, LimitsReport};
 
@@ -55,7 +56,7 @@ const RESOURCES: [Resource; 9] = [
         replaced_by: "two ports and a plane more",
         remove: |m| {
             let dsb = Dsb { ports: 2, planes: m.dsb.planes.max(3) };
-            let abc = cube3_host::Abc { planes: m.abc.planes.max(4), ..m.abc };
+            let abc = cube3_machine::Abc { planes: m.abc.planes.max(4), ..m.abc };
             MachineSpec { dsb, abc, ..m.clone() }
         },
     },

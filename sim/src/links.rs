@@ -13,7 +13,8 @@ use cube3_cfb::Beam;
 use cube3_channel::{Archive, ArchiveError, Archived, Channel};
 use cube3_cone::ConeSpec;
 use cube3_dsb::{BoardSpec, LinkReading, Links, RayPair};
-use cube3_host::{ChannelSize, Channels, FrameSetup, MachineSpec};
+use cube3_frame::FrameSetup;
+use cube3_machine::{ChannelSize, Channels, MachineSpec};
 use cube3_trilin::SampleRay;
 use serde::{Deserialize, Serialize};
 
@@ -264,7 +265,7 @@ pub fn channels(machine: &MachineSpec, frames: &[FrameSetup]) -> Channels {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cube3_host::{Boards, Cone, ConeKind};
+    use cube3_machine::{Boards, Cone, ConeKind};
 
     #[test]
     fn words_of_a_lane_are_its_cones_kept_or_not() {

@@ -19,7 +19,8 @@ use cube3_channel::{
 use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelGroup, Pixels, Reduce, Reducer};
 use cube3_dsb::bus::{Align, BusCounters, BusUnit, NoBus};
 use cube3_dsb::{DsbSpec, DsbUnit, LinkReading, NoPlanes, PlaneStore, RayPair, Rotator, Store};
-use cube3_host::{AcquisitionMode, BasePlane, ChannelSize, FrameSetup, MachineSpec, Sections};
+use cube3_frame::{BasePlane, FrameSetup, Sections};
+use cube3_machine::{AcquisitionMode, ChannelSize, MachineSpec};
 use cube3_trilin::{Interpolate, Interpolator, NoSamples, RaySamples, SampleRay, TrilinSpec, TrilinUnit};
 
 /// Units of a machine, a unit with two ports counted twice.

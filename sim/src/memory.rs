@@ -7,7 +7,7 @@ use crate::problem::{Outcome, Problem};
 use crate::run::Runs;
 use crate::trace::{Format as TraceFormat, Window};
 use cube3_cfb::golden::{Placement, Skew};
-use cube3_host::{MachineSpec, RayEnds};
+use cube3_machine::{MachineSpec, RayEnds};
 use cube3_scene::{Scene, VolumeSource};
 use cube3_vectors::{ExpressionError, Format, Unit};
 use cube3_volume::{

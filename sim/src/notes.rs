@@ -4,7 +4,9 @@
 use crate::crowded_words::{Crowding, crowding};
 use crate::inputs::LoadedVolume;
 use crate::opacity_check::{CheckedFrame, OpacityCheck, is_worth_a_note};
-use cube3_host::{BasePlane, FrameSetup, MachineSpec, PictureFrames};
+use cube3_frame::{BasePlane, FrameSetup};
+use cube3_host::PictureFrames;
+use cube3_machine::MachineSpec;
 use cube3_report::{OpacityReport, count, number, percentage};
 use cube3_scene::{Mode, Scene};
 use cube3_word::unit_resize;

@@ -8,7 +8,9 @@
 //! Voxels are looked at, not the samples between them: where voxels of one value lie together, samples have that value too.
 
 use crate::inputs::LoadedVolume;
-use cube3_host::{Classification, FrameSetup, MachineSpec, OpacityEntries, whole_step_opacity};
+use cube3_frame::{Classification, FrameSetup};
+use cube3_host::{OpacityEntries, whole_step_opacity};
+use cube3_machine::MachineSpec;
 use cube3_report::{OpacityChange, OpacityReport};
 use cube3_scene::{Mode, Scene, corrected_opacity};
 use cube3_word::{Words, quantise_unit, unit_full, unit_resize};

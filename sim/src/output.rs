@@ -4,7 +4,7 @@ use crate::animation::Animation;
 use crate::problem::{Outcome, Problem};
 use crate::run::RunResult;
 use crate::sequence::Shown;
-use cube3_host::MachineSpec;
+use cube3_machine::MachineSpec;
 use cube3_metrics::Picture;
 use cube3_report::{Figure, html, png_rgb8, to_json, to_rgb8};
 use cube3_scene::Scene;

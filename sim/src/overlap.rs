@@ -4,7 +4,8 @@
 //! are shared along u, the last section needs the first ray of each plane, and the first two of samples, too.
 
 use cube3_abc::AbcSpec;
-use cube3_host::{FrameSetup, MachineSpec, Sections};
+use cube3_frame::{FrameSetup, Sections};
+use cube3_machine::MachineSpec;
 
 /// Rays of samples that a section needs of those before it, and of the plane's first.
 const BORDER: usize = 2;

@@ -17,10 +17,8 @@ use cube3_cfb::{FrameBuffer, FrameBufferError, Piece, scan};
 use cube3_cone::golden::{Node, combine, leaf, pixel, reduce};
 use cube3_cone::lanes::Segment;
 use cube3_cone::{place_of_circle, segments};
-use cube3_host::{
-    BasePlane, ConeOrder, DiscreteRay, FrameSetup, GradientMethod, GradientScale, LinearFactor, MachineSpec, Phong,
-    RaySlots, Sections, Shading,
-};
+use cube3_frame::{BasePlane, DiscreteRay, FrameSetup, GradientScale, LinearFactor, Phong, Sections, Shading};
+use cube3_machine::{ConeOrder, GradientMethod, MachineSpec, RaySlots};
 use cube3_trilin::golden::{Weights, cell, lift};
 use cube3_vectors::{ExpressionError, Format, Set, Tables, Unit, Vectors};
 use std::ops::ControlFlow::{self, Break, Continue};
@@ -651,7 +649,7 @@ impl Frame<'_> {
             return phong.lights.iter().map(|light| [light.direction, light.halfway]).collect();
         };
         let view = view_vector(row, column, rays, table, words);
-        let towards = |(light, &at_eye): (&cube3_host::PhongLight, &bool)| {
+        let towards = |(light, &at_eye): (&cube3_frame::PhongLight, &bool)| {
             if at_eye { [view; 2] } else { [light.direction, halfway(light.direction, view, table, words)] }
         };
         phong.lights.iter().zip(&rays.at_eye).map(towards).collect()

@@ -3,7 +3,8 @@
 use crate::inputs::LoadedVolume;
 use crate::problem::{Outcome, Problem};
 use crate::progress::Progress;
-use cube3_host::{MachineSpec, PictureFrames};
+use cube3_host::PictureFrames;
+use cube3_machine::MachineSpec;
 use cube3_metrics::{Picture, compare, footprint};
 use cube3_raycast::{DiscreteOptions, ImageOrderOptions, image_order, sheared, true_3d};
 use cube3_report::{ErrorReport, ReferenceError};

@@ -7,9 +7,9 @@ use crate::machine::RunCounters;
 use crate::overlap::{Overlap, neighbour_slots, sample_slots, voxel_slots};
 use cube3_cfb::memory::{edge_words, reorder_words};
 use cube3_cone::ConeSpec;
-use cube3_host::{
-    ConeRegisters, ControllerKind, FrameSetup, GradientMethod, GradientScale, Layout, LinearFactor, MachineSpec,
-    MemoryModel, RayEnds, RaySlots, Reuse, Sections, Shading, ShadingUnit,
+use cube3_frame::{ConeRegisters, FrameSetup, GradientScale, LinearFactor, Sections, Shading};
+use cube3_machine::{
+    ControllerKind, GradientMethod, Layout, MachineSpec, MemoryModel, RayEnds, RaySlots, Reuse, ShadingUnit,
 };
 use cube3_report::{InterfaceReport, LinesReport, MemoryBits, OperatorCounts, OperatorsReport, ResourcesReport};
 use cube3_scene::{MOST_CUTS, MOST_LIGHTS};
@@ -159,7 +159,7 @@ pub(crate) fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSet
         }
     };
     let buffers = match machine.acquisition.mode {
-        cube3_host::AcquisitionMode::DoubleBuffer => 2,
+        cube3_machine::AcquisitionMode::DoubleBuffer => 2,
         _ => 1,
     };
     let voxel_bits = u64::from(words.voxel_bits);

@@ -28,10 +28,8 @@
 //! is refused.
 
 use cube3_cfb::golden::{Placement, Skew};
-use cube3_host::{
-    Cfb, ConeKind, Dsb, FrameSetup, GradientMethod, HostLink, LinearFactor, MachineSpec, MemoryType, Phong, RaySlots,
-    Shading,
-};
+use cube3_frame::{FrameSetup, LinearFactor, Phong, Shading};
+use cube3_machine::{Cfb, ConeKind, Dsb, GradientMethod, HostLink, MachineSpec, MemoryType, RaySlots};
 use cube3_word::Rounding;
 use std::fmt::{Display, Write as _};
 use std::io;

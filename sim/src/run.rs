@@ -19,10 +19,9 @@ use crate::resources;
 use cube3_cfb::memory::MemoryCounters;
 use cube3_channel::Reason;
 use cube3_dsb::LinkReading;
-use cube3_host::{
-    BasePlane, FrameSetup, Geometry, MachineSpec, PictureFrames, RaySlots, TemplateRule, canonical, picture_setup,
-    warp_passes,
-};
+use cube3_frame::{BasePlane, FrameSetup, Geometry};
+use cube3_host::{PictureFrames, canonical, picture_setup, warp_passes};
+use cube3_machine::{MachineSpec, RaySlots, TemplateRule};
 use cube3_metrics::{Picture, compare, difference, footprint, suggested_factor};
 use cube3_report::{
     ChannelReport, DigestReport, ErrorReport, LeftOut, LinkReport, MemoryTraffic, OpacityReport, PassReport,

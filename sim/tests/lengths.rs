@@ -3,7 +3,7 @@
 use cube3::inputs::{self, LoadedVolume};
 use cube3::reference::Reference;
 use cube3::run::{RunOptions, RunResult, Runs, run_frame};
-use cube3_host::{MachineSpec, RayEnds};
+use cube3_machine::{MachineSpec, RayEnds};
 use cube3_metrics::Picture;
 use cube3_scene::{ColourPoint, Crop, Image, Material, Mode, Scene, View};
 use cube3_volume::Volume;

@@ -4,7 +4,7 @@ use clap::Parser;
 use cube3::command::Arguments;
 use cube3::memory::{self, Case, Grid, Need};
 use cube3::run::Runs;
-use cube3_host::MachineSpec;
+use cube3_machine::MachineSpec;
 use cube3_scene::{Image, Perspective, Scene, VolumeSource};
 use cube3_vectors::{Format, units};
 use cube3_volume::{

@@ -4,7 +4,7 @@ use cube3::inputs::{self, LoadedVolume};
 use cube3::reference::Reference;
 use cube3::run::{RunOptions, RunResult, Runs, run_frame};
 use cube3::sequence::{Series, run_sequence};
-use cube3_host::{MachineSpec, RayEnds};
+use cube3_machine::{MachineSpec, RayEnds};
 use cube3_report::{NO_OBJECT, OpacityReport};
 use cube3_scene::{Crop, Image, Material, Mode, Scene, Threshold, View, VolumeSource};
 use cube3_volume::{Phantom, ReadOptions, Volume};

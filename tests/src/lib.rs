@@ -7,10 +7,12 @@ pub mod rtl_vectors;
 pub mod rtl_pipeline;
 pub mod waves;
 
-use cube3_host::{
+use cube3_host::VolumeInfo;
+
+use cube3_machine::{
     Abc, Boards, Bus, BusKind, Cfb, ChannelSize, Channels, Cone, ConeKind, ControllerKind, Dsb, GradientMethod,
     HostLink, Layout, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryModel, RayEnds, RaySlots, Rays, Reuse,
-    ShadingUnit, TemplateRule, Trilin, VolumeInfo,
+    ShadingUnit, TemplateRule, Trilin,
 };
 use cube3_scene::{
     ColourPoint, Crop, Cut, DepthCue, Image, Layer, Light, Material, Mode, Perspective, Scene, Threshold, Transfer,

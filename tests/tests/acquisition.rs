@@ -6,9 +6,9 @@ use cube3::function::{CanonicalVolume, render};
 use cube3::machine::Machine;
 use cube3_cfb::{AcquisitionPort, Piece, PortSpec};
 use cube3_channel::Reason;
-use cube3_host::{
-    Acquisition, AcquisitionMode, FrameSetup, Frames, MachineSpec, RaySlots, Rays, Sections, VolumeInfo, frame_setup,
-};
+use cube3_frame::{FrameSetup, Sections};
+use cube3_host::{VolumeInfo, frame_setup};
+use cube3_machine::{Acquisition, AcquisitionMode, Frames, MachineSpec, RaySlots, Rays};
 use cube3_scene::{Scene, View};
 use cube3_tests::{machines, scenes, volumes};
 use proptest::prelude::*;

@@ -3,7 +3,9 @@
 use cube3::checkpoint::{CheckpointError, Identity, restore, save};
 use cube3::fidelity::Fidelity;
 use cube3::machine::Machine;
-use cube3_host::{FrameSetup, Frames, MachineSpec, frame_setup};
+use cube3_frame::FrameSetup;
+use cube3_host::frame_setup;
+use cube3_machine::{Frames, MachineSpec};
 use cube3_scene::Scene;
 use cube3_tests::{SmallVolume, machines, scenes, volumes};
 use proptest::prelude::*;

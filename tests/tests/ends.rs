@@ -2,7 +2,9 @@
 //! crop box and on the near side of cuts.
 
 use cube3::function::{CanonicalVolume, FunctionRun, render};
-use cube3_host::{FrameSetup, MachineSpec, RayEnds, Rays, TemplateRule, VolumeInfo, picture_setup};
+use cube3_frame::FrameSetup;
+use cube3_host::{VolumeInfo, picture_setup};
+use cube3_machine::{MachineSpec, RayEnds, Rays, TemplateRule};
 use cube3_scene::{Crop, Cut, Mode, Perspective, Scene, View};
 
 const N: usize = 33;
@@ -35,7 +37,7 @@ fn run(scene: &Scene, machine: &MachineSpec) -> (FrameSetup, FunctionRun) {
 
 /// The opacity of the ray that is at a place of the volume's canonical plane in front, of 255.
 fn grey((setup, run): &(FrameSetup, FunctionRun), u: i64, v: i64) -> f64 {
-    let [column, row] = setup.geometry.pixel(cube3_host::DiscreteRay { u, v });
+    let [column, row] = setup.geometry.pixel(cube3_frame::DiscreteRay { u, v });
     f64::from(run.base.pixels[row * run.base.width + column][3]) / 65535.0 * RANGE
 }
 

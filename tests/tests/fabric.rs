@@ -4,10 +4,8 @@
 use cube3::limits::frame_interval;
 use cube3::machine::{Machine, RunCounters};
 use cube3_channel::Reason;
-use cube3_host::{
-    Abc, Boards, Bus, Cone, ConeKind, Dsb, Frame, Frames, HostLink, MachineSpec, RaySlots, Rays, VolumeInfo,
-    frame_setup,
-};
+use cube3_host::{Frame, VolumeInfo, frame_setup};
+use cube3_machine::{Abc, Boards, Bus, Cone, ConeKind, Dsb, Frames, HostLink, MachineSpec, RaySlots, Rays};
 use cube3_scene::{Scene, View};
 use proptest::prelude::*;
 
@@ -120,7 +118,7 @@ fn three_planes_of_samples_run_slower_and_two_cannot() {
 fn each_kind_of_cone_sets_its_rate_and_its_drain() {
     let with = |kind| {
         let mut machine = MachineSpec { cone: Cone { kind }, ..base() };
-        machine.channel.pixels = cube3_host::ChannelSize::pipelined(7);
+        machine.channel.pixels = cube3_machine::ChannelSize::pipelined(7);
         machine
     };
     let (folded, _) = run(&with(ConeKind::FoldedTree));

@@ -2,7 +2,9 @@
 
 use cube3::function::{CanonicalVolume, FunctionRun, render};
 use cube3::machine::Machine;
-use cube3_host::{Cfb, FrameSetup, Layout, MachineSpec, RaySlots, Rays, frame_setup};
+use cube3_frame::FrameSetup;
+use cube3_host::frame_setup;
+use cube3_machine::{Cfb, Layout, MachineSpec, RaySlots, Rays};
 use cube3_scene::{Mode, Scene};
 use cube3_tests::{SmallVolume, machines, scenes, volumes};
 use cube3_word::Words;

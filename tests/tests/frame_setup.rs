@@ -1,7 +1,8 @@
 //! `FrameSetup` is all that enters the machine: written to a file and read back, it drives the same frame.
 
 use cube3::function::{CanonicalVolume, render};
-use cube3_host::{FrameSetup, frame_setup};
+use cube3_frame::FrameSetup;
+use cube3_host::frame_setup;
 use cube3_tests::{machines, scenes, volumes};
 use proptest::prelude::*;
 

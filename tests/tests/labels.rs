@@ -2,7 +2,9 @@
 
 use cube3::function::{CanonicalVolume, render};
 use cube3::machine::Machine;
-use cube3_host::{BasePlane, DiscreteRay, FrameSetup, MachineSpec, VolumeInfo, picture_setup};
+use cube3_frame::{BasePlane, DiscreteRay, FrameSetup};
+use cube3_host::{VolumeInfo, picture_setup};
+use cube3_machine::MachineSpec;
 use cube3_raycast::{Interpolation, RaySamples};
 use cube3_scene::{ColourPoint, Image, Material, Mode, Perspective, Scene, Transfer, View, VolumeSource};
 use cube3_tests::{SmallVolume, directions, for_perspective, from_eye, machines, perspectives, volumes};

@@ -5,9 +5,9 @@ use cube3::limits::{frame_interval, limits};
 use cube3::machine::{Machine, RunCounters};
 use cube3_channel::Reason;
 use cube3_dsb::BoardSpec;
-use cube3_host::{
-    Abc, Boards, Cone, ConeKind, FrameSetup, GradientMethod, MachineSpec, RaySlots, Rays, VolumeInfo, picture_setup,
-};
+use cube3_frame::FrameSetup;
+use cube3_host::{VolumeInfo, picture_setup};
+use cube3_machine::{Abc, Boards, Cone, ConeKind, GradientMethod, MachineSpec, RaySlots, Rays};
 use cube3_scene::{Perspective, Scene, View};
 use proptest::prelude::*;
 use std::collections::BTreeSet;

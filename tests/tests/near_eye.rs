@@ -1,7 +1,9 @@
 //! An eye in the volume: gradients over about a voxel however close the rays are, and no step where base planes join.
 
 use cube3::function::{CanonicalVolume, render};
-use cube3_host::{BasePlane, FrameSetup, Geometry, MachineSpec, PictureFrames, VolumeInfo, picture_setup, warp_passes};
+use cube3_frame::{BasePlane, FrameSetup, Geometry};
+use cube3_host::{PictureFrames, VolumeInfo, picture_setup, warp_passes};
+use cube3_machine::MachineSpec;
 use cube3_raycast::{ImageOrderOptions, image_order};
 use cube3_scene::{ColourPoint, Image, Perspective, Scene, View};
 use cube3_volume::{Phantom, PhantomParams, Samples, Volume, VoxelWords, WordConversion};

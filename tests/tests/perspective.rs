@@ -4,10 +4,9 @@ use cube3::function::{CanonicalVolume, render};
 use cube3::inputs;
 use cube3::reference::Reference;
 use cube3::run::{RunOptions, Runs, run_frame};
-use cube3_host::{
-    BasePlane, Geometry, GradientMethod, MachineSpec, PictureFrames, RayEnds, RaySlots, Rays, VolumeInfo, frame_setup,
-    picture_setup, warp_passes,
-};
+use cube3_frame::{BasePlane, Geometry};
+use cube3_host::{PictureFrames, VolumeInfo, frame_setup, picture_setup, warp_passes};
+use cube3_machine::{GradientMethod, MachineSpec, RayEnds, RaySlots, Rays};
 use cube3_raycast::{ImageOrderOptions, image_order};
 use cube3_scene::{Image, Layer, Light, Material, Perspective, Scene, View, VolumeSource};
 use cube3_tests::{SmallVolume, for_perspective, machines, scenes, volumes};
@@ -16,7 +15,7 @@ use cube3_word::Words;
 use proptest::prelude::*;
 
 fn bases(frames: &PictureFrames, dims: [usize; 3], words: &[u16]) -> Vec<BasePlane> {
-    let base = |setup: &cube3_host::FrameSetup| {
+    let base = |setup: &cube3_frame::FrameSetup| {
         render(setup, &CanonicalVolume::new(&setup.geometry.axes, dims, words), true, &|_, _| {}).base
     };
     frames.setups.iter().map(base).collect()
@@ -138,11 +137,11 @@ fn rays_are_one_voxel_apart_in_front_and_one_and_n_over_d_behind() {
         let pass = geometry.perspective.as_ref().unwrap();
         let expected = 1.0 + n as f64 / distance;
         assert!((geometry.coverage().unwrap().back_spacing - expected).abs() < 1e-7, "{distance}");
-        let one = f64::from(1_u32 << cube3_host::SLOPE_FRACTION_BITS);
+        let one = f64::from(1_u32 << cube3_frame::SLOPE_FRACTION_BITS);
         let behind = |i: usize| (pass.u.starts[i] + n as i64 * pass.u.slopes[i]) as f64 / one;
         let last = pass.u.count() - 1;
         assert!(((behind(last) - behind(0)) / last as f64 - expected).abs() < 1e-7, "{distance}");
-        assert!(pass.u.starts.windows(2).all(|pair| pair[1] - pair[0] == 1 << cube3_host::SLOPE_FRACTION_BITS));
+        assert!(pass.u.starts.windows(2).all(|pair| pair[1] - pair[0] == 1 << cube3_frame::SLOPE_FRACTION_BITS));
         assert!(!pass.doubled);
     }
 }
@@ -280,7 +279,7 @@ fn no_seam_where_three_base_planes_join() {
     scene.background = [0.0; 3];
     let scene = with_eye(&scene, Perspective { distance_voxel: Some(90.0), ..Perspective::new(40.0) }, side);
     let machine = MachineSpec {
-        rays: Rays { template: cube3_host::TemplateRule::PlaneFloor, ..Rays::default() },
+        rays: Rays { template: cube3_machine::TemplateRule::PlaneFloor, ..Rays::default() },
         ..MachineSpec::default()
     };
     let info = VolumeInfo { dims: words.dims, spacing: words.spacing, window: words.window };
@@ -385,7 +384,7 @@ fn eyes_anywhere_see_finite_pictures() {
     ];
     for eye in eyes {
         for field in [0.01, 60.0, 150.0] {
-            for template in [cube3_host::TemplateRule::SampleFloor, cube3_host::TemplateRule::PlaneFloor] {
+            for template in [cube3_machine::TemplateRule::SampleFloor, cube3_machine::TemplateRule::PlaneFloor] {
                 let machine = MachineSpec { rays: Rays { template, ..Rays::default() }, ..machine.clone() };
                 let mut scene = Scene { view: View::from_angles(0.0, 0.0), ..scene.clone() };
                 scene = with_eye(&scene, Perspective { eye_voxel: Some(eye), ..Perspective::new(field) }, 40);
@@ -417,7 +416,7 @@ fn what_needs_parallel_rays_is_refused_with_a_remedy() {
         assert!(error.contains("abc.gradient") && error.contains("give \"12\""), "{error}");
     }
     let mut machine = MachineSpec::default();
-    machine.abc.shading = cube3_host::ShadingUnit::ReflectanceTable;
+    machine.abc.shading = cube3_machine::ShadingUnit::ReflectanceTable;
     let error = picture_setup(&scene, &machine, &info, true).unwrap_err().to_string();
     assert!(error.contains("abc.shading") && error.contains("give \"phong\""), "{error}");
 }

@@ -7,10 +7,9 @@ use cube3_abc::golden::{Local, classify_in, direction_index, lit, local_gradient
 use cube3_cone::Pixels;
 use cube3_cone::golden::{Node, leaf, pixel};
 use cube3_cone::segments;
-use cube3_host::{
-    ConeOrder, FrameSetup, GradientMethod, LinearFactor, MachineSpec, Phong, PhongLight, RayEnds, Sections, Shading,
-    picture_setup,
-};
+use cube3_frame::{FrameSetup, LinearFactor, Phong, PhongLight, Sections, Shading};
+use cube3_host::picture_setup;
+use cube3_machine::{ConeOrder, GradientMethod, MachineSpec, RayEnds};
 use cube3_scene::{Perspective, Scene};
 use cube3_tests::{SmallVolume, for_perspective, from_eye, machines, perspectives, scenes, volumes};
 use cube3_trilin::RaySamples;

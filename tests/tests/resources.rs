@@ -3,9 +3,11 @@
 use cube3::limits::{frame_interval, limits};
 use cube3::machine::{Machine, RunCounters};
 use cube3::resources::resources;
-use cube3_host::{
-    Abc, Cfb, ControllerKind, FrameSetup, GradientMethod, HostLink, LookAheadFreed, LookAheadUnit, MachineSpec,
-    MemoryType, RayEnds, RaySlots, Rays, Reuse, Trilin, VolumeInfo, frame_setup,
+use cube3_frame::FrameSetup;
+use cube3_host::{VolumeInfo, frame_setup};
+use cube3_machine::{
+    Abc, Cfb, ControllerKind, GradientMethod, HostLink, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryType,
+    RayEnds, RaySlots, Rays, Reuse, Trilin,
 };
 use cube3_report::{OperatorCounts, ResourcesReport};
 use cube3_scene::{Scene, View};

@@ -1,7 +1,7 @@
 //! Every module of `tests/rtl` is broken on purpose in several ways (`tests/rtl/breaks.toml`). Golden vectors catch each break of a
 //! block, and frames that run beside `Machine::cycle` each break of the units and of the pipeline.
 
-use cube3_host::{GradientMethod, MachineSpec, RaySlots, Rays};
+use cube3_machine::{GradientMethod, MachineSpec, RaySlots, Rays};
 use cube3_scene::{Mode, Scene};
 use cube3_tests::rtl::{all_modules, folder, require};
 use cube3_tests::rtl_pipeline::{Case, Design, Effort, Frame, Simulator, lit, machine, narrow, noise, scene};

@@ -1,9 +1,9 @@
 //! The pipeline in SystemVerilog has the bits and the cycles of `Machine::cycle`, in two simulators.
 
 use cube3::rtl_frame::{self, RtlFrameError};
-use cube3_host::{
+use cube3_host::{VolumeInfo, frame_setup, picture_setup};
+use cube3_machine::{
     Abc, Boards, ChannelSize, Channels, Cone, ConeKind, GradientMethod, MachineSpec, RaySlots, Rays, ShadingUnit,
-    VolumeInfo, frame_setup, picture_setup,
 };
 use cube3_scene::{Crop, DepthCue, Layer, Light, Mode, Perspective, Scene, Threshold, View};
 use cube3_tests::SmallVolume;

@@ -5,7 +5,9 @@
 //! magnitude, so `$eq` and `$ne` are none; `$div` and `$mod` dividers. Selections, shifts and memories are none of them.
 
 use cube3::resources::operators;
-use cube3_host::{Abc, FrameSetup, GradientMethod, MachineSpec, Reuse, ShadingUnit, Trilin, VolumeInfo, frame_setup};
+use cube3_frame::FrameSetup;
+use cube3_host::{VolumeInfo, frame_setup};
+use cube3_machine::{Abc, GradientMethod, MachineSpec, Reuse, ShadingUnit, Trilin};
 use cube3_report::OperatorCounts;
 use cube3_scene::{Material, Scene, View};
 use cube3_tests::rtl::{self, Parameters};

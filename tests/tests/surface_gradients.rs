@@ -1,8 +1,9 @@
 //! The machine's own gradient words on the sphere phantom: the table of the design, section 3.
 
 use cube3_abc::golden::{Neighbourhood, gradient};
-use cube3_host::VolumeInfo;
-use cube3_host::{Abc, Basis, DiscreteRay, GradientMethod, MachineSpec, Rays, frame_setup};
+use cube3_frame::DiscreteRay;
+use cube3_host::{Basis, VolumeInfo, frame_setup};
+use cube3_machine::{Abc, GradientMethod, MachineSpec, Rays};
 use cube3_metrics::mean_angle_deg;
 use cube3_scene::{Scene, View};
 use cube3_trilin::golden::{Weights, cell, lift};

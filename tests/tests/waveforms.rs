@@ -4,7 +4,8 @@
 use cube3::machine::Machine;
 use cube3::trace::{Recorder, Window};
 use cube3_channel::Activity;
-use cube3_host::{MachineSpec, VolumeInfo, frame_setup};
+use cube3_host::{VolumeInfo, frame_setup};
+use cube3_machine::MachineSpec;
 use cube3_scene::Scene;
 use cube3_tests::rtl;
 use cube3_tests::waves::{Shown, Waves, of_gtkwave, of_surfer};

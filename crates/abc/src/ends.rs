@@ -2,7 +2,7 @@
 //! step. Nothing else of a row depends on it.
 
 use crate::golden::{class_of, in_place};
-use cube3_host::{DiscreteRay, FrameSetup};
+use cube3_frame::{DiscreteRay, FrameSetup};
 use std::ops::Range;
 
 /// A sample that is the first or the last of its ray.

@@ -1,9 +1,11 @@
 //! Gradient, classification and shading of one sample. The definition.
 
-use cube3_host::{
-    Classification, DiscreteRay, EndRegisters, FrameSetup, GradientMethod, GradientRegisters, GradientRows,
-    GradientScale, LinearFactor, Normaliser, Phong, RayRegisters, ReflectanceTable, Shading,
+use cube3_frame::{
+    Classification, DiscreteRay, EndRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale,
+    LinearFactor, Normaliser, Phong, RayRegisters, ReflectanceTable, Shading,
 };
+
+use cube3_machine::GradientMethod;
 use cube3_word::{Probe, Words, lerp_wires, saturate, unit_full};
 use serde::{Deserialize, Serialize};
 

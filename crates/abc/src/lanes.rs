@@ -10,10 +10,11 @@
 use crate::ends::End;
 use crate::golden;
 use crate::perspective::RayLanes;
-use cube3_host::{
-    Classification, FrameSetup, Geometry, GradientMethod, GradientRegisters, GradientScale, LinearFactor, Normaliser,
-    Phong, PhongLight, ReflectanceTable, Shading,
+use cube3_frame::{
+    Classification, FrameSetup, Geometry, GradientRegisters, GradientScale, LinearFactor, Normaliser, Phong,
+    PhongLight, ReflectanceTable, Shading,
 };
+use cube3_machine::GradientMethod;
 use cube3_word::{BLOCK, Block, Shift, Words, block, put_block, unit_full, vectorised};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! What the lanes need of each ray and depth of a perspective frame.
 
 use crate::golden::{halfway, view_vector};
-use cube3_host::{FrameSetup, Normaliser, Phong, RayRegisters};
+use cube3_frame::{FrameSetup, Normaliser, Phong, RayRegisters};
 use cube3_word::{Block, Words};
 use std::ops::Range;
 

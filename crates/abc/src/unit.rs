@@ -14,9 +14,8 @@ use crate::ends::{End, ray_ends};
 use crate::golden::Shaded;
 use crate::lanes::{AbcLanes, Around, HERE, Neighbour, Neighbours, ShadedBlock, ShadedRow, reads};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, PortState, Wait};
-use cube3_host::{
-    BESIDE, DiscreteRay, FrameSetup, Geometry, GradientMethod, MachineSpec, RayStretches, SampleBounds, Sections,
-};
+use cube3_frame::{BESIDE, DiscreteRay, FrameSetup, Geometry, RayStretches, SampleBounds, Sections};
+use cube3_machine::{GradientMethod, MachineSpec};
 use cube3_trilin::{RaySamples, SampleRay};
 use cube3_word::{BLOCK, Block};
 use serde::{Deserialize, Serialize};
@@ -526,7 +525,7 @@ impl Shader {
         row.present.clear();
         row.present.extend(rays.iter().enumerate().map(|(k, ray)| {
             let inside =
-                |clip: &cube3_host::HalfSpace| geometry.evaluate(&clip.distance, [ray.u, ray.v, k as i64]) >= 0;
+                |clip: &cube3_frame::HalfSpace| geometry.evaluate(&clip.distance, [ray.u, ray.v, k as i64]) >= 0;
             u8::from(geometry.has_sample(*ray, k as i64) && setup.clips.iter().all(inside))
         }));
         if let Some(ray) = rays.first() {

@@ -4,10 +4,9 @@ mod registers;
 
 use cube3_abc::ends::ray_ends;
 use cube3_abc::golden::{class_of, end_class, in_place, opacity_class, reach, steps_to};
-use cube3_host::{
-    DiscreteRay, EndRegisters, FrameSetup, MachineSpec, RayEnds, Rays, SLOPE_FRACTION_BITS, TemplateRule, VolumeInfo,
-    frame_setup, picture_setup,
-};
+use cube3_frame::{DiscreteRay, EndRegisters, FrameSetup, SLOPE_FRACTION_BITS};
+use cube3_host::{VolumeInfo, frame_setup, picture_setup};
+use cube3_machine::{MachineSpec, RayEnds, Rays, TemplateRule};
 use cube3_scene::{Crop, Cut, Image, Perspective, Scene, View};
 use cube3_word::Words;
 use proptest::prelude::*;
@@ -231,7 +230,7 @@ fn a_distance_is_used_up_in_its_steps_to_the_nearest_part_and_two_at_most() {
 #[test]
 fn an_end_takes_the_nearest_table() {
     let ends = |steps: Vec<u32>| {
-        let face = cube3_host::HalfSpace { distance: cube3_host::Linear { u: 0, v: 0, k: 0, constant: 0 } };
+        let face = cube3_frame::HalfSpace { distance: cube3_frame::Linear { u: 0, v: 0, k: 0, constant: 0 } };
         EndRegisters { faces: [face; 6], first_class: steps.len() as u32, steps }
     };
     let one = 1 << EndRegisters::REACH_BITS;

@@ -3,7 +3,9 @@
 mod registers;
 
 use cube3_abc::golden::{Neighbourhood, gradient, normalise};
-use cube3_host::{Basis, GradientMethod, GradientRegisters, MachineSpec, VolumeInfo, frame_setup};
+use cube3_frame::GradientRegisters;
+use cube3_host::{Basis, VolumeInfo, frame_setup};
+use cube3_machine::{GradientMethod, MachineSpec};
 use cube3_scene::{Scene, View};
 use cube3_word::{Rounding, Words};
 use registers::{Dice, normaliser};

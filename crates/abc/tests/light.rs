@@ -3,7 +3,9 @@
 mod registers;
 
 use cube3_abc::golden::{direction_index, lit, normalise, phong, reflectance};
-use cube3_host::{GradientMethod, MachineSpec, Phong, PhongLight, Shading, ShadingUnit, VolumeInfo, frame_setup};
+use cube3_frame::{Phong, PhongLight, Shading};
+use cube3_host::{VolumeInfo, frame_setup};
+use cube3_machine::{GradientMethod, MachineSpec, ShadingUnit};
 use cube3_scene::{Light, Material, Scene, View, resolve_lights};
 use cube3_word::{Words, quantise_unit, unit_full};
 use glam::DVec3;

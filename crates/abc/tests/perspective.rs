@@ -5,10 +5,9 @@ mod registers;
 use cube3_abc::ends::End;
 use cube3_abc::golden::{Local, Neighbourhood, Shaded, halfway, local_gradient, opacity_class, shade, view_vector};
 use cube3_abc::lanes::{AbcLanes, ShadedRow};
-use cube3_host::{
-    Abc, Bus, BusKind, FrameSetup, GradientMethod, GradientRegisters, GradientScale, MachineSpec, RayRegisters,
-    ShadingUnit, VolumeInfo, picture_setup,
-};
+use cube3_frame::{FrameSetup, GradientRegisters, GradientScale, RayRegisters};
+use cube3_host::{VolumeInfo, picture_setup};
+use cube3_machine::{Abc, Bus, BusKind, GradientMethod, MachineSpec, ShadingUnit};
 use cube3_scene::{Image, Mode, Perspective, Scene, View};
 use cube3_word::{Words, unit_full};
 use proptest::prelude::*;

@@ -8,7 +8,7 @@ mod registers;
 
 use cube3_abc::{AbcSpec, AbcUnit, NoShading, ShadedRay};
 use cube3_channel::{Account, Channel};
-use cube3_host::{FrameSetup, Sections};
+use cube3_frame::{FrameSetup, Sections};
 use cube3_trilin::SampleRay;
 use registers::{Dice, frame};
 

@@ -6,7 +6,8 @@ use cube3_abc::golden::{
     Light, Local, Neighbourhood, TableAddresses, classify, cued_wires, direction_index_wires, lit_wires,
     local_gradient_wires, normalise_wires, phong_wires,
 };
-use cube3_host::{Classification, GradientMethod, GradientRegisters, GradientRows, GradientScale, LinearFactor};
+use cube3_frame::{Classification, GradientRegisters, GradientRows, GradientScale, LinearFactor};
+use cube3_machine::GradientMethod;
 use cube3_word::{Probe, Rounding, Words, unit_full};
 use proptest::prelude::*;
 use registers::{Dice, bright, neighbourhood, normaliser};

@@ -6,7 +6,8 @@
 use cube3_cfb::memory::{ReorderNeed, Supply};
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, NoVoxels};
 use cube3_channel::Channel;
-use cube3_host::{Cfb, Layout, LookAheadUnit, MachineSpec, MemoryType, VolumeInfo, frame_setup};
+use cube3_host::{VolumeInfo, frame_setup};
+use cube3_machine::{Cfb, Layout, LookAheadUnit, MachineSpec, MemoryType};
 use cube3_scene::{Scene, View};
 
 const YAWS: [f64; 5] = [0.0, 30.0, 45.0, 60.0, 90.0];

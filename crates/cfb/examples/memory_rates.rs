@@ -3,7 +3,7 @@
 
 mod frame;
 
-use cube3_host::{Cfb, Layout, MachineSpec, MemoryModel, MemoryType};
+use cube3_machine::{Cfb, Layout, MachineSpec, MemoryModel, MemoryType};
 use frame::{VIEWS, run};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -3,7 +3,7 @@
 
 mod frame;
 
-use cube3_host::{Cfb, Layout, MachineSpec, MemoryModel};
+use cube3_machine::{Cfb, Layout, MachineSpec, MemoryModel};
 use frame::{VIEWS, run};
 use std::time::Instant;
 

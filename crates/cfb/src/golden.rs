@@ -1,6 +1,6 @@
 //! The addressing of one voxel, and how many cycles a row of voxels takes. The definition.
 
-use cube3_host::Layout;
+use cube3_machine::Layout;
 use cube3_word::Probe;
 use std::ops::Range;
 

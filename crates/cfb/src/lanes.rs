@@ -1,7 +1,8 @@
 //! The modules with their voxels, and the fetch of a whole beam.
 
 use crate::golden::{Placement, Skew, output_lane};
-use cube3_host::{Axes, Layout};
+use cube3_frame::Axes;
+use cube3_machine::Layout;
 use cube3_word::turn;
 use std::ops::Range;
 

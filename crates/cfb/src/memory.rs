@@ -5,7 +5,7 @@
 //!                  ──► …                                                 ├──► a word of each module, in order ──► beam
 //!                  ──► module n−1                                        ┘
 //! ```
-//! [`MemoryModel`](cube3_host::MemoryModel) is the table of constraints, [`Timing`] the table at a clock, [`Module`] the controller of one module,
+//! [`MemoryModel`](cube3_machine::MemoryModel) is the table of constraints, [`Timing`] the table at a clock, [`Module`] the controller of one module,
 //! [`Modules`] all of them under the scan of the frame buffer, [`BlockModules`] all of them with mini-blocks, which go through a reorder buffer.
 
 mod activates;

@@ -14,7 +14,7 @@
 use std::ops::Range;
 
 use crate::golden::Skew;
-use cube3_host::{AcquisitionMode, MachineSpec};
+use cube3_machine::{AcquisitionMode, MachineSpec};
 use serde::{Deserialize, Serialize};
 
 /// Bits of the rate register below a word.

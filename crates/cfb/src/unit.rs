@@ -9,7 +9,8 @@ use crate::golden::{Skew, Steps};
 use crate::memory::{MemoryCounters, ReorderCounters, Supply, SupplyState};
 use crate::{AcquisitionPort, FrameBuffer, PortSpec};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, Reason};
-use cube3_host::{FrameSetup, Geometry, Layout, MachineSpec, RaySlots, Sections};
+use cube3_frame::{FrameSetup, Geometry, Sections};
+use cube3_machine::{Layout, MachineSpec, RaySlots};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 

@@ -2,7 +2,8 @@
 
 use cube3_cfb::golden::Skew;
 use cube3_cfb::{FrameBuffer, FrameBufferError};
-use cube3_host::{Axes, Layout};
+use cube3_frame::Axes;
+use cube3_machine::Layout;
 
 const DIMS: [usize; 3] = [5, 3, 2];
 const AXES: Axes = Axes { axis: [0, 1, 2], reversed: [false; 3] };

@@ -3,10 +3,9 @@
 use cube3_cfb::memory::{MemoryCounters, Supply};
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, NoVoxels};
 use cube3_channel::{Account, Channel, Reason};
-use cube3_host::{
-    BankHash, Cfb, ControllerKind, FrameSetup, Layout, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryType,
-    VolumeInfo, frame_setup,
-};
+use cube3_frame::FrameSetup;
+use cube3_host::{VolumeInfo, frame_setup};
+use cube3_machine::{BankHash, Cfb, ControllerKind, Layout, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryType};
 use cube3_scene::{Scene, View};
 use proptest::prelude::*;
 

@@ -6,10 +6,9 @@ use cube3_cfb::memory::{
 };
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, NoVoxels, scan};
 use cube3_channel::{Account, Activity, Channel, ClockDomain, Reason};
-use cube3_host::{
-    Cfb, FrameSetup, Geometry, Layout, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryModel, MemoryType, RaySlots,
-    Rays, Sections, VolumeInfo, frame_setup, picture_setup,
-};
+use cube3_frame::{FrameSetup, Geometry, Sections};
+use cube3_host::{VolumeInfo, frame_setup, picture_setup};
+use cube3_machine::{Cfb, Layout, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryModel, MemoryType, RaySlots, Rays};
 use cube3_scene::{Perspective, Scene, View};
 use proptest::prelude::*;
 use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};

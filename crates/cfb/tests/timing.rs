@@ -6,7 +6,9 @@
 
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, NoVoxels};
 use cube3_channel::{Account, Channel, Reason};
-use cube3_host::{Cfb, FrameSetup, MachineSpec, RaySlots, Rays, VolumeInfo, frame_setup, picture_setup};
+use cube3_frame::FrameSetup;
+use cube3_host::{VolumeInfo, frame_setup, picture_setup};
+use cube3_machine::{Cfb, MachineSpec, RaySlots, Rays};
 use cube3_scene::{Perspective, Scene, View};
 
 fn machine(lanes: usize, skew: [i64; 3], slots: RaySlots) -> MachineSpec {

@@ -1,7 +1,8 @@
 //! A leaf, a node and a whole ray of the cone. The definition.
 
 use cube3_abc::golden::{Counted, Shaded};
-use cube3_host::{ConeOrder, ConeRegisters};
+use cube3_frame::ConeRegisters;
+use cube3_machine::ConeOrder;
 use cube3_scene::Mode;
 use cube3_word::{Probe, Words, unit_full, unit_mul_wires, unit_resize};
 

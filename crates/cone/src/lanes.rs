@@ -3,7 +3,8 @@
 use crate::golden::{Node, combine};
 use cube3_abc::ShadedSamples;
 use cube3_abc::lanes::ShadedRow;
-use cube3_host::{ConeOrder, ConeRegisters, DiscreteRay};
+use cube3_frame::{ConeRegisters, DiscreteRay};
+use cube3_machine::ConeOrder;
 use cube3_scene::Mode;
 use cube3_word::{BLOCK, Block, Rounding, Words, unit_full, vectorised};
 use std::ops::Range;

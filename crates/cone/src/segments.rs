@@ -1,6 +1,6 @@
 //! How many pixels a ray slot gives, from the geometry alone.
 
-use cube3_host::{Geometry, RayStretches};
+use cube3_frame::{Geometry, RayStretches};
 
 /// Pixels of each slot of a frame: one for each ray that it has.
 #[derive(Clone, Debug, PartialEq, Eq)]

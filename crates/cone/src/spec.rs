@@ -1,7 +1,8 @@
 //! The cone's data sheet: how long each kind takes for a ray, what it is made of, and what it sends between boards.
 
 use cube3_dsb::BoardSpec;
-use cube3_host::{ChannelSize, ConeKind, FrameSetup, MachineSpec};
+use cube3_frame::FrameSetup;
+use cube3_machine::{ChannelSize, ConeKind, MachineSpec};
 
 /// Data sheet of the cone for one frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

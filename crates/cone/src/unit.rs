@@ -11,7 +11,8 @@ use crate::golden::{Node, combine, leaf, pixel};
 use crate::lanes::{Segment, SlotLanes, circle_by, in_order, in_order_by, join_by, tree_of_ray};
 use cube3_abc::{ShadedRay, ShadedSamples};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
-use cube3_host::{ConeOrder, DiscreteRay, FrameSetup, RayStretches};
+use cube3_frame::{DiscreteRay, FrameSetup, RayStretches};
+use cube3_machine::ConeOrder;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 

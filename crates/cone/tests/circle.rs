@@ -2,7 +2,8 @@
 
 use cube3_cone::golden::{Node, reduce};
 use cube3_cone::lanes::{Segment, circle, join, tree_of_ray};
-use cube3_host::{ConeOrder, ConeRegisters, DiscreteRay};
+use cube3_frame::{ConeRegisters, DiscreteRay};
+use cube3_machine::ConeOrder;
 use cube3_scene::Mode;
 use cube3_word::{Rounding, Words, unit_full, unit_mul};
 use proptest::prelude::*;

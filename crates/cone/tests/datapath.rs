@@ -5,9 +5,9 @@ use cube3_abc::{ShadedRay, ShadedSamples};
 use cube3_channel::Channel;
 use cube3_cone::golden::{Node, leaf, pixel, reduce};
 use cube3_cone::{ConeSpec, ConeUnit, PixelGroup, Pixels, Reducer};
-use cube3_host::{
-    Cone, ConeKind, DiscreteRay, FrameSetup, MachineSpec, RaySlots, Rays, TemplateRule, VolumeInfo, frame_setup,
-};
+use cube3_frame::{DiscreteRay, FrameSetup};
+use cube3_host::{VolumeInfo, frame_setup};
+use cube3_machine::{Cone, ConeKind, MachineSpec, RaySlots, Rays, TemplateRule};
 use cube3_scene::{Mode, Scene, View};
 use cube3_word::{Rounding, Words, unit_full};
 use proptest::prelude::*;

@@ -3,7 +3,8 @@
 
 use cube3_abc::golden::Shaded;
 use cube3_cone::golden::{Node, combine, leaf, pixel, reduce};
-use cube3_host::{ConeOrder, ConeRegisters};
+use cube3_frame::ConeRegisters;
+use cube3_machine::ConeOrder;
 use cube3_scene::Mode;
 use cube3_word::{Rounding, Words, quantise_unit, unit_full};
 use proptest::prelude::*;

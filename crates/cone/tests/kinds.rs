@@ -5,10 +5,9 @@ use cube3_channel::Channel;
 use cube3_cone::golden::{Node, combine, front_to_back, reduce};
 use cube3_cone::lanes::{Segment, circle, in_order};
 use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelCounts, PixelGroup};
-use cube3_host::{
-    Boards, Cone, ConeKind, ConeOrder, ConeRegisters, DiscreteRay, FrameSetup, Geometry, MachineSpec, RaySlots, Rays,
-    VolumeInfo, frame_setup,
-};
+use cube3_frame::{ConeRegisters, DiscreteRay, FrameSetup, Geometry};
+use cube3_host::{VolumeInfo, frame_setup};
+use cube3_machine::{Boards, Cone, ConeKind, ConeOrder, MachineSpec, RaySlots, Rays};
 use cube3_scene::{Mode, Scene, View};
 use cube3_word::{Rounding, Words, unit_full, unit_mul};
 use proptest::prelude::*;
@@ -72,7 +71,7 @@ fn a_pixel_leaves_after_the_drain_and_not_a_cycle_earlier() {
             let spec = ConeSpec::new(&machine, &setup);
             // The presets give a folded tree its log₂ lanes and one.
             let mut machine = machine.clone();
-            machine.channel.pixels = cube3_host::ChannelSize::pipelined(spec.levels() + 1);
+            machine.channel.pixels = cube3_machine::ChannelSize::pipelined(spec.levels() + 1);
             let size = ConeSpec::pixels(&machine);
             let mut cone = ConeUnit::new(vec![spec], NoPixels);
             let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 2, 1).unwrap();

@@ -3,7 +3,9 @@
 use cube3_abc::ShadedRay;
 use cube3_channel::{Account, Channel};
 use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelGroup};
-use cube3_host::{FrameSetup, MachineSpec, VolumeInfo, frame_setup};
+use cube3_frame::FrameSetup;
+use cube3_host::{VolumeInfo, frame_setup};
+use cube3_machine::MachineSpec;
 use cube3_scene::{Scene, View};
 
 fn setup(machine: &MachineSpec, depths: usize) -> FrameSetup {

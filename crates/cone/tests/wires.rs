@@ -1,7 +1,8 @@
 //! What a probe sees of a comparing node and of a pixel, and where a sum begins to overflow.
 
 use cube3_cone::golden::{Node, combine_wires, pixel, pixel_wires};
-use cube3_host::{ConeOrder, ConeRegisters};
+use cube3_frame::ConeRegisters;
+use cube3_machine::ConeOrder;
 use cube3_scene::Mode;
 use cube3_word::{Probe, Rounding, Words, unit_full};
 

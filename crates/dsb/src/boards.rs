@@ -9,7 +9,8 @@
 
 use crate::golden::{module, slot};
 use cube3_cfb::golden::output_lane;
-use cube3_host::{Geometry, MachineSpec, RaySlots};
+use cube3_frame::Geometry;
+use cube3_machine::{MachineSpec, RaySlots};
 use std::ops::Range;
 
 /// Data sheet of the boards and links.
@@ -224,7 +225,8 @@ mod tests {
     use super::*;
     use crate::Rotator;
     use crate::golden::rotation;
-    use cube3_host::{Axes, PassShape, TemplateRule, largest_offset, slope_register};
+    use cube3_frame::{Axes, PassShape, largest_offset, slope_register};
+    use cube3_machine::TemplateRule;
     use proptest::prelude::*;
 
     fn geometry(size: [usize; 3], slopes: [f64; 2], slots: RaySlots) -> Geometry {

@@ -11,7 +11,8 @@ use cube3_cfb::{Beam, VoxelBeam};
 use cube3_channel::{
     Account, Activity, Archive, ArchiveError, Archived, Channel, ClockDomain, Payload, Reason, Transfer,
 };
-use cube3_host::{FrameSetup, Geometry, MachineSpec, Sections};
+use cube3_frame::{FrameSetup, Geometry, Sections};
+use cube3_machine::MachineSpec;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 

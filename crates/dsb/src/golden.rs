@@ -1,6 +1,8 @@
 //! Where one voxel goes: on the bus, and in a skewed buffer. The definition.
 
-use cube3_host::{Geometry, RaySlots};
+use cube3_frame::Geometry;
+
+use cube3_machine::RaySlots;
 use cube3_word::Probe;
 
 /// The slot of a plane that voxel `x` of a beam (its place along u) belongs to at a depth.

@@ -3,7 +3,7 @@
 use crate::golden::{beam_lane, slot};
 use cube3_cfb::golden::output_lane;
 use cube3_channel::{Archive, ArchiveError, Archived};
-use cube3_host::{Geometry, Sections};
+use cube3_frame::{Geometry, Sections};
 use cube3_word::turn;
 use std::ops::Range;
 
@@ -208,7 +208,8 @@ impl Archived for PlaneStore {
 mod tests {
     use super::*;
     use crate::golden::{module, ray_lane, rotation};
-    use cube3_host::{Axes, Geometry, RaySlots, TemplateRule, largest_offset, slope_register};
+    use cube3_frame::{Axes, Geometry, largest_offset, slope_register};
+    use cube3_machine::{RaySlots, TemplateRule};
     use proptest::prelude::*;
 
     fn geometry(size: [usize; 3], slopes: [f64; 2], padded: bool, reversed: [bool; 3]) -> Geometry {

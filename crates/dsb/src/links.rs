@@ -13,7 +13,7 @@
 
 use crate::BoardSpec;
 use cube3_channel::{Archive, ArchiveError, Archived, ClockDomain};
-use cube3_host::MachineSpec;
+use cube3_machine::MachineSpec;
 use serde::{Deserialize, Serialize};
 
 /// The links of a machine of several boards.
@@ -168,7 +168,7 @@ impl Archived for Links {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cube3_host::Boards;
+    use cube3_machine::Boards;
     use proptest::prelude::*;
     use std::collections::VecDeque;
 

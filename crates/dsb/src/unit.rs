@@ -11,7 +11,8 @@
 use crate::PlaneStore;
 use cube3_cfb::{Beam, VoxelBeam};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, PortState, Reason, Wait};
-use cube3_host::{Geometry, MachineSpec, Sections};
+use cube3_frame::{Geometry, Sections};
+use cube3_machine::MachineSpec;
 use serde::{Deserialize, Serialize};
 
 /// A ray slot of two neighbouring planes.

@@ -3,7 +3,8 @@
 use cube3_cfb::golden::output_lane;
 use cube3_dsb::Rotator;
 use cube3_dsb::golden::{beam_lane, module, rotation, slot, turned};
-use cube3_host::{Axes, Geometry, RaySlots, TemplateRule, largest_offset, slope_register};
+use cube3_frame::{Axes, Geometry, largest_offset, slope_register};
+use cube3_machine::{RaySlots, TemplateRule};
 use proptest::prelude::*;
 
 #[test]

@@ -6,7 +6,9 @@ use cube3_cfb::{Beam, CfbSpec, CfbUnit, FrameBuffer, VoxelBeam};
 use cube3_channel::Channel;
 use cube3_dsb::bus::BusUnit;
 use cube3_dsb::{DsbSpec, DsbUnit, PlaneStore, RayPair, RayVoxels, Rotator};
-use cube3_host::{Cfb, Dsb, FrameSetup, MachineSpec, RaySlots, Rays, TemplateRule, VolumeInfo, frame_setup};
+use cube3_frame::FrameSetup;
+use cube3_host::{VolumeInfo, frame_setup};
+use cube3_machine::{Cfb, Dsb, MachineSpec, RaySlots, Rays, TemplateRule};
 use cube3_scene::{Scene, View};
 use proptest::prelude::*;
 

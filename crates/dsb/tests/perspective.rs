@@ -5,7 +5,9 @@ use cube3_cfb::golden::output_lane;
 use cube3_cfb::{Beam, VoxelBeam};
 use cube3_channel::{Archive, ArchiveError};
 use cube3_dsb::{PlaneStore, RayVoxels, Rotator, Store};
-use cube3_host::{FrameSetup, Geometry, MachineSpec, VolumeInfo, picture_setup};
+use cube3_frame::{FrameSetup, Geometry};
+use cube3_host::{VolumeInfo, picture_setup};
+use cube3_machine::MachineSpec;
 use cube3_scene::{Perspective, Scene, View};
 use proptest::prelude::*;
 

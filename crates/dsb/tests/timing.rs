@@ -10,7 +10,9 @@ use cube3_cfb::Beam;
 use cube3_channel::{Account, Activity, Channel, PortState, Reason, diagnose};
 use cube3_dsb::bus::{BusUnit, NoBus};
 use cube3_dsb::{DsbSpec, DsbUnit, Links, NoPlanes, RayPair};
-use cube3_host::{Boards, Bus, FrameSetup, MachineSpec, Sections, VolumeInfo, frame_setup, picture_setup};
+use cube3_frame::{FrameSetup, Sections};
+use cube3_host::{VolumeInfo, frame_setup, picture_setup};
+use cube3_machine::{Boards, Bus, MachineSpec};
 use cube3_scene::{Perspective, Scene, View};
 
 /// Rays along z, and a little along x, so that u is x.

@@ -1,7 +1,9 @@
 //! The classification tables: opacity and colour over the sample word.
 
 use crate::setup::{StepLengths, in_frame};
-use crate::{Basis, Classification, FrameSetup, GradientRows, MachineSpec, VolumeInfo, ends, gradient_scale};
+use crate::{Basis, VolumeInfo, ends, gradient_scale};
+use cube3_frame::{Classification, FrameSetup, GradientRows};
+use cube3_machine::MachineSpec;
 use cube3_scene::{Scene, corrected_opacity};
 use cube3_word::{quantise_unit, unit_full};
 

@@ -1,18 +1,15 @@
 //! Makes the `FrameSetup`: scene and machine in, registers and tables out.
 
-use crate::perspective::{PLACE_BITS, Perspective};
-use crate::{
-    Abc, Axes, BusKind, ConeRegisters, EndRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters,
-    GradientScale, HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, OpacityEntries, RayRegisters,
-    SLOPE_FRACTION_BITS, ShadingUnit, TemplateRule, canonical, classification, ends, largest_offset, shading,
-    slope_register, whole_step_opacity,
+use crate::{OpacityEntries, canonical, classification, ends, shading, whole_step_opacity};
+use cube3_frame::{
+    Axes, ConeRegisters, EndRegisters, FrameSetup, Geometry, GradientRegisters, GradientScale, HalfSpace, LARGEST_SIDE,
+    Linear, LinearFactor, Normaliser, PLACE_BITS, Perspective, RayRegisters, SLOPE_FRACTION_BITS, largest_offset,
+    slope_register,
 };
+use cube3_machine::{Abc, BusKind, GradientMethod, MachineSpec, RaySlots, ShadingUnit, TemplateRule};
 use cube3_scene::{Mode, Scene, SceneError, ViewFrame};
 use cube3_word::{Words, quantise_fraction, quantise_unit, unit_full, unit_resize};
 use std::borrow::Cow;
-
-/// Most voxels along an axis: what slope and template registers are exact for.
-pub const LARGEST_SIDE: usize = 4096;
 
 /// What the host needs to know of a volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -305,7 +302,7 @@ pub(crate) fn registers(
     if clips.is_empty() && plan {
         leave("cut planes and crop box", "the scene has none", "12 comparators a lane".into());
     }
-    if plan && !geometry.closes()[1] && geometry.slots == crate::RaySlots::Wrapped {
+    if plan && !geometry.closes()[1] && geometry.slots == RaySlots::Wrapped {
         let words = geometry.size[0] * geometry.size[2];
         leave(
             "closing planes",
@@ -318,7 +315,7 @@ pub(crate) fn registers(
         .perspective
         .as_ref()
         .map(|pass| ray_registers(scene, volume, &geometry, pass, &basis, machine.abc.gradient, &steps));
-    let ends = EndRegisters::new(scene, machine, &geometry, &steps.lengths);
+    let ends = ends::registers(scene, machine, &geometry, &steps.lengths);
     let whole = ends.as_ref().map(|_| whole_step_opacity(scene.mode, &words, geometry.bounding_planes()));
     let entries = OpacityEntries::new(scene, machine, volume, steps.lengths, rows, &basis);
     let setup = FrameSetup {
@@ -688,17 +685,6 @@ fn depth_cue(scene: &Scene, geometry: &Geometry, volume: &VolumeInfo, view: &Vie
     Some(LinearFactor { factor: linear(geometry, normal, at_origin, LinearFactor::FRACTION_BITS) })
 }
 
-/// Distance along the view of the nearest and of the farthest corner voxel's centre, from voxel (0, 0, 0).
-pub fn depth_range(view: &ViewFrame, dims: [usize; 3], spacing: [f64; 3]) -> [f64; 2] {
-    let mut range = [0.0; 2];
-    for i in 0..3 {
-        let reach = view.direction[i] * (dims[i] - 1) as f64 * spacing[i];
-        range[0] += reach.min(0.0);
-        range[1] += reach.max(0.0);
-    }
-    range
-}
-
 /// Length of a ray's step in units of the smallest voxel spacing: what opacity is corrected to.
 pub fn step_length(geometry: &Geometry, spacing: [f64; 3]) -> f64 {
     let s = geometry.axes.permute(spacing);
@@ -711,7 +697,7 @@ pub fn step_length(geometry: &Geometry, spacing: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Bus;
+    use cube3_machine::Bus;
 
     #[test]
     fn opacity_tables_of_an_eye_have_a_limit() {
@@ -736,7 +722,7 @@ mod tests {
         let layer = |gradient| cube3_scene::Layer { gradient, opacity: vec![[0.0, 0.0], [255.0, 0.5]] };
         scene.transfer.layers = vec![layer(0.0), layer(50.0)];
         scene.transfer.opacity_correction = false;
-        let rays = crate::Rays { ends: crate::RayEnds::Exact, ..crate::Rays::default() };
+        let rays = cube3_machine::Rays { ends: cube3_machine::RayEnds::Exact, ..cube3_machine::Rays::default() };
         let of = |mode, table_gradient_bits| {
             let words = Words { table_gradient_bits, ..Words::default() };
             let machine = MachineSpec { words, rays, ..MachineSpec::default() };
@@ -760,13 +746,13 @@ mod tests {
             ([16.0, 16.0, -5.0], [1.0, 2.0, 0.5]),
             ([-9.0, 12.5, 4.2], [1.0, 1.0, 3.0]),
         ] {
-            let shape = crate::PassShape {
+            let shape = cube3_frame::PassShape {
                 size: [33; 3],
                 axes: Axes { axis: [0, 1, 2], reversed: [false; 3] },
                 eye,
                 offset: 0,
                 weight_bits: 8,
-                rule: crate::TemplateRule::SampleFloor,
+                rule: TemplateRule::SampleFloor,
                 grid: 0.5,
                 reach: 1,
                 joins: false,
@@ -801,7 +787,7 @@ mod tests {
 
     #[test]
     fn sections_are_for_parallel_views() {
-        let rays = crate::Rays { section: Some(8), ..crate::Rays::default() };
+        let rays = cube3_machine::Rays { section: Some(8), ..cube3_machine::Rays::default() };
         let machine = MachineSpec { rays, ..MachineSpec::default() };
         let volume = VolumeInfo { dims: [16; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
         assert!(crate::picture_setup(&Scene::default(), &machine, &volume, true).is_ok());

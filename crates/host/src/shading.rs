@@ -1,6 +1,8 @@
 //! Registers and tables of the shading unit.
 
-use crate::{Basis, Geometry, MachineSpec, Phong, PhongLight, ReflectanceTable, Shading, ShadingUnit};
+use crate::Basis;
+use cube3_frame::{Geometry, Phong, PhongLight, ReflectanceTable, Shading};
+use cube3_machine::{MachineSpec, ShadingUnit};
 use cube3_scene::{ResolvedLight, Scene, ViewFrame, resolve_lights};
 
 /// A light in the gradient's frame, negated: the surface's normal is against the gradient.

@@ -1,51 +1,9 @@
-//! The base-plane image, and its warp to the picture.
+//! The warp of base planes to the picture.
 
-use crate::perspective::Perspective;
 use crate::picture::major;
-use crate::{Geometry, ImagePlane, SLOPE_FRACTION_BITS};
-use glam::DVec2;
-
-/// The machine's output: a pixel for each ray, red, green, blue (opacity-weighted) and opacity, unit words of
-/// `bits`. Row-major from ray (−Y, −X).
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct BasePlane {
-    /// Pixels in a row.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Bits of a component.
-    pub bits: u32,
-    /// The pixels.
-    pub pixels: Vec<[u32; 4]>,
-}
-
-impl BasePlane {
-    /// An empty base plane of a geometry's size.
-    pub fn empty(geometry: &Geometry, bits: u32) -> BasePlane {
-        let [width, height] = geometry.base_plane_size();
-        BasePlane { width, height, bits, pixels: vec![[0; 4]; width * height] }
-    }
-
-    /// The pixel as reals 0 to 1; transparent beyond the edge.
-    fn real(&self, column: i64, row: i64) -> [f64; 4] {
-        if column < 0 || row < 0 || column >= self.width as i64 || row >= self.height as i64 {
-            return [0.0; 4];
-        }
-        let full = f64::from(cube3_word::unit_full(self.bits));
-        self.pixels[row as usize * self.width + column as usize].map(|word| f64::from(word) / full)
-    }
-
-    /// The base plane over a background, row-major: opacity-weighted colour plus what shows through.
-    pub fn over(&self, background: [f64; 3]) -> Vec<[f64; 3]> {
-        let full = f64::from(cube3_word::unit_full(self.bits));
-        self.pixels.iter().map(|pixel| over(pixel.map(|word| f64::from(word) / full), background)).collect()
-    }
-}
-
-/// Opacity-weighted colour over a background, held to 0..1.
-pub fn over(pixel: [f64; 4], background: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|i| (pixel[i] + (1.0 - pixel[3]) * background[i]).clamp(0.0, 1.0))
-}
+use cube3_frame::{BasePlane, Geometry, Perspective, SLOPE_FRACTION_BITS};
+use cube3_scene::{ImagePlane, over};
+use glam::{DAffine2, DMat2, DVec2, DVec3};
 
 /// Warps a base plane given as a function of (column, row) to the picture: bilinear, over `background`, row-major
 /// from the top left.
@@ -59,6 +17,27 @@ pub fn warp(
     warp_reals(&|column, row| base.real(column, row), geometry, plane, spacing, background)
 }
 
+/// The affine map from pixel (column, row) to the base plane's ray coordinates (u, v), of a parallel view.
+fn to_base_plane(plane: &ImagePlane, geometry: &Geometry, spacing: [f64; 3]) -> DAffine2 {
+    let [du, dv] = geometry.real_slopes();
+    let project = |world: DVec3, affine: bool| {
+        let xyz = [0, 1, 2].map(|i| world[i] / spacing[i]);
+        let c = [0, 1, 2].map(|i| {
+            let along = xyz[geometry.axes.axis[i]];
+            match (geometry.axes.reversed[i], affine) {
+                (true, true) => (geometry.size[i] - 1) as f64 - along,
+                (true, false) => -along,
+                (false, _) => along,
+            }
+        });
+        DVec2::new(c[0] - c[2] * du, c[1] - c[2] * dv)
+    };
+    DAffine2::from_mat2_translation(
+        DMat2::from_cols(project(plane.across, false), project(plane.down, false)),
+        project(plane.first, true),
+    )
+}
+
 /// The same for a base plane of reals, `pixel(column, row)` opacity-weighted and transparent beyond the edge.
 pub fn warp_reals(
     pixel: &dyn Fn(i64, i64) -> [f64; 4],
@@ -67,7 +46,7 @@ pub fn warp_reals(
     spacing: [f64; 3],
     background: [f64; 3],
 ) -> Vec<[f64; 3]> {
-    let to_base = plane.to_base_plane(geometry, spacing);
+    let to_base = to_base_plane(plane, geometry, spacing);
     let origin = DVec2::new(geometry.shear_u() as f64, geometry.shear_v() as f64);
     let mut picture = Vec::with_capacity(plane.width * plane.height);
     for row in 0..plane.height {

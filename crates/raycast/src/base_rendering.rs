@@ -1,6 +1,10 @@
 //! A base-plane image in reals.
 
-use cube3_host::{Geometry, ImagePlane, over, warp_reals};
+use cube3_frame::Geometry;
+
+use cube3_host::warp_reals;
+
+use cube3_scene::{ImagePlane, over};
 
 /// What a caster on the base plane made.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,7 +14,7 @@ pub struct BaseRendering {
     /// Rows.
     pub height: usize,
     /// Red, green, blue (opacity-weighted) and opacity, row-major from ray (−Y, −X), as
-    /// [`cube3_host::BasePlane`].
+    /// [`cube3_frame::BasePlane`].
     pub pixels: Vec<[f64; 4]>,
     /// Samples of the rays; those taken for gradients are the same ones.
     pub samples: u64,

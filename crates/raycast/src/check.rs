@@ -1,7 +1,7 @@
 //! What every caster asks of its input before the first ray.
 
 use crate::RaycastError;
-use cube3_host::Geometry;
+use cube3_frame::Geometry;
 use cube3_scene::Scene;
 use cube3_volume::Volume;
 use std::borrow::Cow;

@@ -1,7 +1,9 @@
 //! The ABC gradient estimators in reals: Pfister et al. 1995, section 4, and design, section 3.
 
 use crate::interpolate::lerp;
-use cube3_host::{Basis, Geometry, GradientMethod};
+use cube3_frame::Geometry;
+use cube3_host::Basis;
+use cube3_machine::GradientMethod;
 
 /// An estimator for one view.
 #[derive(Clone, Debug)]

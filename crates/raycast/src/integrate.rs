@@ -1,9 +1,9 @@
 //! From the samples of a ray to its pixel: what is cut away, classification, shading, depth cueing and the
 //! six modes. The same for all casters, and the meaning of the machine's.
 
-use cube3_host::depth_range;
 use cube3_scene::{
-    DepthCue, Mode, ResolvedLight, Scene, Transfer, ViewFrame, corrected_opacity, phong, turn_lights, unit_vector,
+    DepthCue, Mode, ResolvedLight, Scene, Transfer, ViewFrame, corrected_opacity, depth_range, phong, turn_lights,
+    unit_vector,
 };
 use cube3_volume::Volume;
 use glam::DVec3;

@@ -6,7 +6,8 @@ use crate::gradient::Estimator;
 use crate::interpolate::cell;
 use crate::steps::{Interpolation, Step, steps};
 use crate::voxels::Voxels;
-use cube3_host::{DiscreteRay, Geometry, GradientMethod};
+use cube3_frame::{DiscreteRay, Geometry};
+use cube3_machine::GradientMethod;
 use cube3_volume::{Volume, with_samples};
 use glam::DVec3;
 

@@ -3,7 +3,7 @@
 use crate::interpolate::lerp;
 use crate::steps::{Interpolation, Step, steps};
 use crate::voxels::Voxels;
-use cube3_host::Geometry;
+use cube3_frame::Geometry;
 use cube3_volume::Sample;
 use std::ops::Range;
 

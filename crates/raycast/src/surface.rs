@@ -5,7 +5,7 @@ use crate::gradient::Estimator;
 use crate::sample_plane::Sampler;
 use crate::voxels::Voxels;
 use crate::{DiscreteOptions, Interpolation, RaycastError};
-use cube3_host::{DiscreteRay, Geometry};
+use cube3_frame::{DiscreteRay, Geometry};
 use cube3_volume::{Volume, with_samples};
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,6 +1,6 @@
 //! The volume's voxels in canonical coordinates.
 
-use cube3_host::Geometry;
+use cube3_frame::Geometry;
 use cube3_volume::Sample;
 
 /// A volume read along u, v, w: voxel axes in the geometry's order and direction.

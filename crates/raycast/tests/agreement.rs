@@ -3,9 +3,11 @@
 mod common;
 
 use common::{geometry_along, largest_difference, one_voxel_a_pixel, stretch};
-use cube3_host::{DiscreteRay, ImagePlane, TemplateRule, step_length};
+use cube3_frame::DiscreteRay;
+use cube3_host::step_length;
+use cube3_machine::TemplateRule;
 use cube3_raycast::{DiscreteOptions, ImageOrderOptions, image_order, sheared, true_3d};
-use cube3_scene::{Image, Material, Mode, Scene, Transfer, View, corrected_opacity};
+use cube3_scene::{Image, ImagePlane, Material, Mode, Scene, Transfer, View, corrected_opacity};
 use cube3_volume::Volume;
 use glam::DVec3;
 

@@ -14,9 +14,11 @@
 mod common;
 
 use common::{mean_relative_percent, one_voxel_a_pixel};
-use cube3_host::{Geometry, ImagePlane, RaySlots, TemplateRule, canonical, largest_offset, slope_register};
+use cube3_frame::{Geometry, largest_offset, slope_register};
+use cube3_host::canonical;
+use cube3_machine::{RaySlots, TemplateRule};
 use cube3_raycast::{DiscreteOptions, ImageOrderOptions, image_order, sheared, true_3d};
-use cube3_scene::{Scene, View};
+use cube3_scene::{ImagePlane, Scene, View};
 use cube3_volume::{ReadOptions, Volume, read};
 use std::path::Path;
 

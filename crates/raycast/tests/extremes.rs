@@ -4,7 +4,8 @@
 mod common;
 
 use common::{geometry, geometry_along, noise, one_voxel_a_pixel, scene_along};
-use cube3_host::{DiscreteRay, GradientMethod, TemplateRule};
+use cube3_frame::DiscreteRay;
+use cube3_machine::{GradientMethod, TemplateRule};
 use cube3_raycast::{
     DiscreteOptions, ImageOrderOptions, Interpolation, RaycastError, discrete, image_order, sheared, surface_gradients,
     true_3d,

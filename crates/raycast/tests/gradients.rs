@@ -4,7 +4,9 @@
 mod common;
 
 use common::{affine, geometry_along, noise};
-use cube3_host::{Basis, DiscreteRay, Geometry, GradientMethod, TemplateRule};
+use cube3_frame::{DiscreteRay, Geometry};
+use cube3_host::Basis;
+use cube3_machine::{GradientMethod, TemplateRule};
 use cube3_raycast::{DiscreteOptions, Interpolation, RaySamples, surface_gradients};
 use cube3_scene::View;
 use cube3_volume::{Phantom, PhantomParams, Volume};

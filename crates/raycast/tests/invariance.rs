@@ -3,7 +3,7 @@
 mod common;
 
 use common::{geometry_along, largest_difference, noise, scene_along};
-use cube3_host::{GradientMethod, TemplateRule};
+use cube3_machine::{GradientMethod, TemplateRule};
 use cube3_raycast::{DiscreteOptions, ImageOrderOptions, Interpolation, discrete, image_order, sheared};
 use cube3_scene::{Image, Light, Mode, Perspective, Scene, View};
 use cube3_volume::Volume;

@@ -3,9 +3,10 @@
 mod common;
 
 use common::{geometry_along, hash, one_voxel_a_pixel};
-use cube3_host::{DiscreteRay, Geometry, GradientMethod, ImagePlane, TemplateRule};
+use cube3_frame::{DiscreteRay, Geometry};
+use cube3_machine::{GradientMethod, TemplateRule};
 use cube3_raycast::{DiscreteOptions, ImageOrderOptions, Interpolation, RaySamples, image_order, sheared, true_3d};
-use cube3_scene::{ColourPoint, Image, Material, Mode, Perspective, Scene, Transfer, View, VolumeSource};
+use cube3_scene::{ColourPoint, Image, ImagePlane, Material, Mode, Perspective, Scene, Transfer, View, VolumeSource};
 use cube3_volume::Volume;
 use glam::DVec3;
 use proptest::prelude::*;

@@ -4,9 +4,11 @@
 mod common;
 
 use common::{geometry_along, largest_difference, one_voxel_a_pixel, stretch};
-use cube3_host::{DiscreteRay, ImagePlane, TemplateRule, step_length};
+use cube3_frame::DiscreteRay;
+use cube3_host::step_length;
+use cube3_machine::TemplateRule;
 use cube3_raycast::{DiscreteOptions, ImageOrderOptions, Interpolation, discrete, image_order};
-use cube3_scene::{Crop, Cut, Material, Mode, Perspective, Scene, Transfer, View};
+use cube3_scene::{Crop, Cut, ImagePlane, Material, Mode, Perspective, Scene, Transfer, View};
 use cube3_volume::Volume;
 use glam::DVec3;
 use proptest::prelude::*;

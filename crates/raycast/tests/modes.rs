@@ -4,13 +4,15 @@
 mod common;
 
 use common::{geometry, hash, largest_difference, noise, one_voxel_a_pixel, stretch};
-use cube3_host::{Basis, DiscreteRay, Geometry, GradientMethod, ImagePlane, depth_range, over, step_length};
+use cube3_frame::{DiscreteRay, Geometry};
+use cube3_host::{Basis, step_length};
+use cube3_machine::GradientMethod;
 use cube3_raycast::{
     BaseRendering, DiscreteOptions, ImageOrderOptions, Interpolation, RaySamples, discrete, image_order,
 };
 use cube3_scene::{
-    ColourPoint, Crop, Cut, DepthCue, Layer, Light, Mode, Perspective, ResolvedLight, Scene, Threshold, Transfer, View,
-    ViewFrame, corrected_opacity, phong, resolve_lights,
+    ColourPoint, Crop, Cut, DepthCue, ImagePlane, Layer, Light, Mode, Perspective, ResolvedLight, Scene, Threshold,
+    Transfer, View, ViewFrame, corrected_opacity, depth_range, over, phong, resolve_lights,
 };
 use cube3_volume::Volume;
 use glam::DVec3;
@@ -323,7 +325,7 @@ fn the_front_sample_wins_a_tie() {
         let geometry = common::geometry_along(
             &volume,
             scene.view.frame().unwrap().direction,
-            cube3_host::TemplateRule::SampleFloor,
+            cube3_machine::TemplateRule::SampleFloor,
             0.0,
         );
         let base = discrete(&volume, &scene, &geometry, Interpolation::Sheared, &DiscreteOptions::default(), None);

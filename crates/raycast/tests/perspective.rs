@@ -3,10 +3,10 @@
 mod common;
 
 use common::{affine, geometry, largest_difference, noise};
-use cube3_host::ImagePlane;
 use cube3_raycast::{DiscreteOptions, ImageOrderOptions, RaycastError, Rendering, image_order, sheared, true_3d};
 use cube3_scene::{
-    Cut, DepthCue, Image, Light, Material, Mode, Perspective, Scene, Transfer, View, corrected_opacity, unit_vector,
+    Cut, DepthCue, Image, ImagePlane, Light, Material, Mode, Perspective, Scene, Transfer, View, corrected_opacity,
+    unit_vector,
 };
 use cube3_volume::{Phantom, PhantomParams, Volume};
 use glam::DVec3;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::ViewFrame;
 use crate::check::{self, Checked};
 
 /// A factor on the colour of each sample, linear in the sample's depth along the view.
@@ -32,6 +33,17 @@ impl DepthCue {
         check::within("depth_cue.front", self.front, 0.0, 1.0)?;
         check::within("depth_cue.back", self.back, 0.0, 1.0)
     }
+}
+
+/// Distance along the view of the nearest and of the farthest corner voxel's centre, from voxel (0, 0, 0).
+pub fn depth_range(view: &ViewFrame, dims: [usize; 3], spacing: [f64; 3]) -> [f64; 2] {
+    let mut range = [0.0; 2];
+    for i in 0..3 {
+        let reach = view.direction[i] * (dims[i] - 1) as f64 * spacing[i];
+        range[0] += reach.min(0.0);
+        range[1] += reach.max(0.0);
+    }
+    range
 }
 
 #[cfg(test)]

@@ -9,7 +9,8 @@
 //! - [`View::frame`]: the axes of the picture;
 //! - [`Transfer::opacity_at`] and [`Transfer::colour_at`]: classification;
 //! - [`phong`]: the colour of a lit sample;
-//! - [`corrected_opacity`]: the opacity of a step that is not of unit length.
+//! - [`corrected_opacity`]: the opacity of a step that is not of unit length;
+//! - [`ImagePlane`]: where the pixels are, and [`depth_range`] of the volume before it.
 //!
 //! World space is voxel space times voxel spacing: right-handed, +z up.
 
@@ -21,6 +22,7 @@ mod error;
 mod explain;
 mod file;
 mod image;
+mod image_plane;
 mod light;
 mod locate;
 mod material;
@@ -39,13 +41,14 @@ mod volume_source;
 
 pub use angle::sin_cos_degrees;
 pub use clip::{Crop, Cut, MOST_CUTS, Threshold};
-pub use depth_cue::DepthCue;
+pub use depth_cue::{DepthCue, depth_range};
 pub use error::{Place, SceneError};
 pub use image::{Image, LARGEST_IMAGE_PX};
+pub use image_plane::{ImagePlane, eye};
 pub use light::{Light, MOST_LIGHTS, ResolvedLight, resolve_lights, turn_lights};
 pub use material::Material;
 pub use mode::Mode;
-pub use opacity::corrected_opacity;
+pub use opacity::{corrected_opacity, over};
 pub use path::{Interpolation, MOST_KEYS, Path, PathKey};
 pub use perspective::{FARTHEST_EYE_VOXEL, FIELD_OF_VIEW_DEG, Perspective};
 pub use phong::phong;

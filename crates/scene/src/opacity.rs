@@ -18,6 +18,11 @@ pub fn corrected_opacity(alpha_unit: f64, length: f64) -> f64 {
     -libm::expm1(length * libm::log1p(-alpha))
 }
 
+/// Opacity-weighted colour over a background, held to 0..1.
+pub fn over(pixel: [f64; 4], background: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|i| (pixel[i] + (1.0 - pixel[3]) * background[i]).clamp(0.0, 1.0))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -12,7 +12,8 @@
 use crate::lanes::TrilinLanes;
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
 use cube3_dsb::{RayPair, RayVoxels};
-use cube3_host::{BESIDE, FrameSetup, Geometry, MachineSpec, Perspective, Reuse, SampleBounds, Sections};
+use cube3_frame::{BESIDE, FrameSetup, Geometry, Perspective, SampleBounds, Sections};
+use cube3_machine::{MachineSpec, Reuse};
 use cube3_word::{BLOCK, Block};
 use serde::{Deserialize, Serialize};
 

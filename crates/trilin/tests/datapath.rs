@@ -3,10 +3,9 @@
 
 use cube3_channel::Channel;
 use cube3_dsb::{RayPair, RayVoxels};
-use cube3_host::{
-    DiscreteRay, FrameSetup, Geometry, MachineSpec, RaySlots, Rays, Reuse, TemplateRule, Trilin, VolumeInfo,
-    frame_setup,
-};
+use cube3_frame::{DiscreteRay, FrameSetup, Geometry};
+use cube3_host::{VolumeInfo, frame_setup};
+use cube3_machine::{MachineSpec, RaySlots, Rays, Reuse, TemplateRule, Trilin};
 use cube3_scene::{Scene, View};
 use cube3_trilin::golden::{Weights, cell, lift};
 use cube3_trilin::{Interpolator, RaySamples, SampleRay, TrilinSpec, TrilinUnit};

@@ -5,7 +5,9 @@
 
 use cube3_channel::{Account, Channel};
 use cube3_dsb::RayPair;
-use cube3_host::{FrameSetup, MachineSpec, VolumeInfo, frame_setup};
+use cube3_frame::FrameSetup;
+use cube3_host::{VolumeInfo, frame_setup};
+use cube3_machine::MachineSpec;
 use cube3_scene::Scene;
 use cube3_trilin::{NoSamples, SampleRay, TrilinSpec, TrilinUnit};
 

@@ -1,7 +1,8 @@
 //! The formats of a unit: word lengths and what else its hardware is built for.
 
 use crate::expression::{ExpressionError, evaluate};
-use cube3_host::{Layout, MachineSpec, Normaliser};
+use cube3_frame::Normaliser;
+use cube3_machine::{Layout, MachineSpec};
 use cube3_word::{Rounding, WordError, Words};
 
 /// Word lengths, and the sizes that a unit is built for. A name in an expression of a data sheet is one of these.

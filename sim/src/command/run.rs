@@ -13,7 +13,7 @@ use crate::sequence::{KEPT_VOLUMES, MOST_FRAMES, Series, Shown, run_sequence};
 use crate::topology::Drawing;
 use crate::trace::{Format, Window};
 use clap::{Args, Parser, ValueEnum};
-use cube3_host::{AcquisitionMode, GradientMethod, MachineSpec, RayEnds, RaySlots, TemplateRule};
+use cube3_machine::{AcquisitionMode, GradientMethod, MachineSpec, RayEnds, RaySlots, TemplateRule};
 use cube3_report::table;
 use cube3_scene::{FileAxes, Mode, Path, Perspective, Scene, View, VolumeSource};
 use cube3_volume::ReadOptions;

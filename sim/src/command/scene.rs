@@ -4,7 +4,7 @@ use super::run::gradient;
 use crate::inputs;
 use crate::problem::{Outcome, Problem};
 use clap::Args;
-use cube3_host::{GradientMethod, MachineSpec};
+use cube3_machine::{GradientMethod, MachineSpec};
 use cube3_scene::{Mode, Scene, VolumeSource};
 use std::path::{Path, PathBuf};
 

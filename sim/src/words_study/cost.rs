@@ -6,8 +6,8 @@
 
 use crate::resources;
 use cube3_cone::ConeSpec;
-use cube3_host::{ConeRegisters, LARGEST_SIDE};
-use cube3_host::{FrameSetup, GradientMethod, GradientScale, HalfSpace, LinearFactor, MachineSpec, ShadingUnit};
+use cube3_frame::{ConeRegisters, FrameSetup, GradientScale, HalfSpace, LARGEST_SIDE, LinearFactor};
+use cube3_machine::{GradientMethod, MachineSpec, ShadingUnit};
 use cube3_report::OperatorCounts;
 use cube3_scene::{MOST_CUTS, MOST_LIGHTS};
 use cube3_word::Rounding;
@@ -246,7 +246,7 @@ fn gradient(method: GradientMethod, sample: u64, fraction: u64, round: u64, lerp
 /// Lights that the shading units hold: those of the frame, or one.
 fn lights(setup: &FrameSetup) -> u64 {
     match &setup.shading {
-        Some(cube3_host::Shading::Phong(phong)) => phong.lights.len().clamp(1, MOST_LIGHTS) as u64,
+        Some(cube3_frame::Shading::Phong(phong)) => phong.lights.len().clamp(1, MOST_LIGHTS) as u64,
         _ => 1,
     }
 }
@@ -255,7 +255,8 @@ fn lights(setup: &FrameSetup) -> u64 {
 mod tests {
     use super::super::wire::{Design, Order, Variant, Wire, uniform, widest};
     use super::*;
-    use cube3_host::{Abc, GradientMethod, VolumeInfo, frame_setup};
+    use cube3_host::{VolumeInfo, frame_setup};
+    use cube3_machine::{Abc, GradientMethod};
     use cube3_scene::{Scene, View};
     use cube3_word::Words;
     use proptest::prelude::*;

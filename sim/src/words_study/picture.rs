@@ -10,10 +10,9 @@ use crate::problem::{Outcome, Problem};
 use crate::progress::Progress;
 use crate::reference::{Reference, check_reference, reference_picture};
 use cube3_abc::golden::{gradient, normalise};
-use cube3_host::{
-    Basis, DiscreteRay, FrameSetup, MachineSpec, PictureFrames, RayEnds, VolumeInfo, picture_setup, step_length,
-    warp_passes,
-};
+use cube3_frame::{DiscreteRay, FrameSetup};
+use cube3_host::{Basis, PictureFrames, VolumeInfo, picture_setup, step_length, warp_passes};
+use cube3_machine::{MachineSpec, RayEnds};
 use cube3_metrics::{Picture, compare, footprint, mean_angle_deg};
 use cube3_raycast::{Interpolation, RaySamples};
 use cube3_scene::{Scene, corrected_opacity};

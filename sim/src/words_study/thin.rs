@@ -4,7 +4,7 @@ use super::picture::{ImageLevels, LEVELS};
 use super::wire::Order;
 use cube3_abc::golden::Shaded;
 use cube3_cone::golden::{Node, leaf, pixel, reduce};
-use cube3_host::ConeRegisters;
+use cube3_frame::ConeRegisters;
 use cube3_scene::Mode;
 use cube3_word::{Words, quantise_unit, unit_full};
 

@@ -1,6 +1,6 @@
 //! The words whose length is varied, and the designs made of them.
 
-use cube3_host::{ConeKind, ConeOrder, MachineSpec};
+use cube3_machine::{ConeKind, ConeOrder, MachineSpec};
 use cube3_word::{Rounding, Words};
 use serde::Serialize;
 use std::ops::RangeInclusive;

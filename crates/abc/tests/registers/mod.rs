@@ -2,10 +2,13 @@
 #![allow(dead_code)]
 
 use cube3_abc::golden::Neighbourhood;
-use cube3_host::{
-    Abc, Axes, Classification, ConeOrder, ConeRegisters, FrameSetup, Geometry, GradientMethod, GradientRegisters,
-    GradientRows, GradientScale, HalfSpace, Linear, LinearFactor, MachineSpec, Normaliser, Phong, PhongLight, RayEnds,
-    RaySlots, Rays, ReflectanceTable, Reuse, Shading, ShadingUnit, TemplateRule, VolumeInfo, frame_setup,
+use cube3_frame::{
+    Axes, Classification, ConeRegisters, FrameSetup, Geometry, GradientRegisters, GradientRows, GradientScale,
+    HalfSpace, Linear, LinearFactor, Normaliser, Phong, PhongLight, ReflectanceTable, Shading,
+};
+use cube3_host::{VolumeInfo, frame_setup};
+use cube3_machine::{
+    Abc, ConeOrder, GradientMethod, MachineSpec, RayEnds, RaySlots, Rays, Reuse, ShadingUnit, TemplateRule,
 };
 use cube3_scene::{ColourPoint, Crop, Cut, DepthCue, Layer, Light, Material, Mode, Scene, Threshold, Transfer, View};
 use cube3_word::{Rounding, Words, unit_full};

@@ -3,7 +3,8 @@
 use cube3_cfb::memory::{MemoryCounters, Supply};
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, NoVoxels};
 use cube3_channel::Channel;
-use cube3_host::{MachineSpec, VolumeInfo, frame_setup};
+use cube3_host::{VolumeInfo, frame_setup};
+use cube3_machine::MachineSpec;
 use cube3_scene::{Scene, View};
 
 /// The axes, and a direction that has them.

@@ -4,9 +4,8 @@ use super::{Chooser, MemoryCounters, Module, Place, Served, Timing};
 use crate::golden::{Placement, Skew};
 use crate::unit::{CfbSpec, Scan};
 use cube3_channel::{Activity, ClockDomain};
-use cube3_host::{
-    ControllerKind, FrameSetup, Geometry, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryModel, MemoryType,
-};
+use cube3_frame::{FrameSetup, Geometry};
+use cube3_machine::{ControllerKind, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryModel, MemoryType};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -304,7 +303,8 @@ mod tests {
     use super::*;
     use crate::{Piece, scan};
     use bitvec::prelude::*;
-    use cube3_host::{Cfb, Layout, MemoryModel, RaySlots, Rays, VolumeInfo, frame_setup, picture_setup};
+    use cube3_host::{VolumeInfo, frame_setup, picture_setup};
+    use cube3_machine::{Cfb, Layout, MemoryModel, RaySlots, Rays};
     use cube3_scene::{Perspective, Scene, View};
     use proptest::prelude::*;
 

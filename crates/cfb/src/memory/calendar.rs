@@ -1,7 +1,7 @@
 //! The ticks that a module's commands have taken: one command a tick on a bus, and activates that keep their distance.
 
 use super::timing::Timing;
-use cube3_host::MemoryModel;
+use cube3_machine::MemoryModel;
 use serde::{Deserialize, Serialize};
 
 /// Which ticks are taken, from some tick on, for any command and for activates.
@@ -264,7 +264,7 @@ impl Booked {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cube3_host::MemoryType;
+    use cube3_machine::MemoryType;
     use proptest::prelude::*;
 
     proptest! {

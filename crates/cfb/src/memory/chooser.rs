@@ -10,7 +10,7 @@
 
 use super::module::{CLOSED, Column, NEVER};
 use super::{MemoryCounters, Module, Place, Served, Timing};
-use cube3_host::Command;
+use cube3_machine::Command;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 

@@ -10,7 +10,7 @@ use super::calendar::Calendar;
 use super::timing::Delays;
 use super::{MemoryCounters, Place, Timing};
 use cube3_channel::{Activity, Reason};
-use cube3_host::{Command, MemoryModel};
+use cube3_machine::{Command, MemoryModel};
 use serde::{Deserialize, Serialize};
 
 /// Before every tick; far enough from the end of the type that a time can be added.

@@ -3,7 +3,7 @@
 use super::tests::check_log;
 use super::*;
 use Command::{Activate, Precharge, Read, Refresh, Write};
-use cube3_host::{BankHash, BurstOrder, Command, Constraint, MemoryModel, Scope, Span};
+use cube3_machine::{BankHash, BurstOrder, Command, Constraint, MemoryModel, Scope, Span};
 use proptest::prelude::*;
 
 /// All banks, for a precharge that closes all.
@@ -288,7 +288,7 @@ proptest! {
 /// Words of an open row pass a word of another row of its bank; words leave in order, so only those that are asked for before it leaves.
 #[test]
 fn no_word_is_passed_over_for_ever() {
-    let model = MemoryModel::of(cube3_host::MemoryType::Sdram);
+    let model = MemoryModel::of(cube3_machine::MemoryType::Sdram);
     let timing = Timing { refresh_interval: None, look_ahead: 8, ..Timing::new(model, 133e6) };
     // Row 0 is open; then one word of another row of its bank, and many of row 0.
     let other = (1..).find(|&row| timing.bank(row) == timing.bank(0)).unwrap() * 512;

@@ -8,7 +8,7 @@ use super::module::{CLOSED, Column};
 use super::oracle::stream_choosing;
 use super::tests::{random, round_robin, stream};
 use super::*;
-use cube3_host::{BankHash, BurstOrder, Command, MemoryModel, MemoryType};
+use cube3_machine::{BankHash, BurstOrder, Command, MemoryModel, MemoryType};
 use std::collections::VecDeque;
 
 /// Ticks from outside, and a share by which ours may be off.

@@ -11,7 +11,8 @@
 
 use crate::golden::Placement;
 use crate::unit::{CfbSpec, Scan};
-use cube3_host::{Geometry, LookAheadUnit, MachineSpec, MemoryModel, RaySlots, Sections};
+use cube3_frame::{Geometry, Sections};
+use cube3_machine::{LookAheadUnit, MachineSpec, MemoryModel, RaySlots};
 use std::ops::Range;
 
 /// The mini-block, along the axis behind v (1) or w (2), of a row or depth.

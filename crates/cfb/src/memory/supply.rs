@@ -4,7 +4,8 @@ use super::rows::At;
 use super::{BlockModules, BlockState, MemoryCounters, MemoryState, Modules, ReorderCounters, ReorderError};
 use crate::unit::{CfbSpec, Scan};
 use cube3_channel::Activity;
-use cube3_host::{FrameSetup, Geometry, Layout, MachineSpec};
+use cube3_frame::{FrameSetup, Geometry};
+use cube3_machine::{Layout, MachineSpec};
 use serde::{Deserialize, Serialize};
 
 /// Memory modules that do not give any word in any cycle, and how they are read.

@@ -2,7 +2,7 @@
 
 use super::{MemoryCounters, Module, Timing};
 use Command::{Activate, Precharge, Read, Refresh, Write};
-use cube3_host::{BurstOrder, Command, Constraint, MemoryModel, MemoryType, Scope};
+use cube3_machine::{BurstOrder, Command, Constraint, MemoryModel, MemoryType, Scope};
 use proptest::prelude::*;
 
 fn timing(kind: MemoryType) -> Timing {

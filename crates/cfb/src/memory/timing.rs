@@ -1,6 +1,6 @@
 //! A row of the table of memory modules in ticks of a clock.
 
-use cube3_host::{BankHash, BurstOrder, Command, Constraint, MachineSpec, MemoryModel, Rows, Scope};
+use cube3_machine::{BankHash, BurstOrder, Command, Constraint, MachineSpec, MemoryModel, Rows, Scope};
 
 /// Where there is no constraint; far from the end of the type, so that a tick can be added.
 const NONE: i64 = i64::MIN / 4;

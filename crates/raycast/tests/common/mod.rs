@@ -1,7 +1,11 @@
 //! What several tests need: geometries, volumes without structure, and distances.
 #![allow(dead_code)]
 
-use cube3_host::{Geometry, RaySlots, TemplateRule, canonical, largest_offset, slope_register};
+use cube3_frame::{Geometry, largest_offset, slope_register};
+
+use cube3_host::canonical;
+
+use cube3_machine::{RaySlots, TemplateRule};
 use cube3_scene::{Image, Scene, View};
 use cube3_volume::{Volume, thick_dims};
 use glam::DVec3;

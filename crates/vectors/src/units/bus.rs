@@ -4,7 +4,8 @@ use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
 use cube3_dsb::Rotator;
 use cube3_dsb::golden::{turn, turned};
-use cube3_host::{Axes, Geometry, RaySlots, TemplateRule};
+use cube3_frame::{Axes, Geometry};
+use cube3_machine::{RaySlots, TemplateRule};
 
 /// The rotation.
 pub struct Bus;

@@ -4,7 +4,7 @@ use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
 use cube3_cfb::FrameBuffer;
 use cube3_cfb::golden::{Placement, Skew};
-use cube3_host::Layout;
+use cube3_machine::Layout;
 
 /// The frame buffer's addresses.
 pub struct Cfb;

@@ -5,7 +5,7 @@ use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Table, Tables, Unit, Wire, word_formats};
 use cube3_abc::golden::TableAddresses;
 use cube3_abc::lanes::{ClassifyLanes, ShadedBlock};
-use cube3_host::{Classification, GradientRows};
+use cube3_frame::{Classification, GradientRows};
 use cube3_word::unit_full;
 
 /// Classification.

@@ -2,7 +2,7 @@
 
 use crate::unit::Reader;
 use crate::{Format, Port, Recorder, Sheet, Tables, Unit, Wire};
-use cube3_host::{HalfSpace, Linear};
+use cube3_frame::{HalfSpace, Linear};
 
 /// A half-space.
 pub struct Clip;
@@ -22,7 +22,7 @@ impl Unit for Clip {
             purpose: "Whether sample k of ray (u, v) of a parallel frame lies in a half-space: the sign of a linear function, its distance \
                       from a plane in voxels, a fraction of 32 bits. The sample on the plane is inside. Along u and v a step is at most 1, \
                       along the ray, which moves along all three, at most 3; a plane farther than 2^28 away is put there.",
-            source: "`cube3_host::Linear::at`",
+            source: "`cube3_frame::Linear::at`",
             parameters: &[],
             module: None,
             inputs: vec![

@@ -5,7 +5,8 @@ use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
 use cube3_cone::golden::{Node, tree};
 use cube3_cone::lanes::{Segment, circle};
-use cube3_host::{ConeOrder, ConeRegisters, DiscreteRay};
+use cube3_frame::{ConeRegisters, DiscreteRay};
+use cube3_machine::ConeOrder;
 use cube3_scene::Mode;
 use cube3_word::Probe;
 

@@ -4,7 +4,7 @@ use super::frame::{coloured, shaded};
 use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
 use cube3_abc::golden::cued_wires;
-use cube3_host::{FrameSetup, Linear, LinearFactor};
+use cube3_frame::{FrameSetup, Linear, LinearFactor};
 
 /// The depth cue.
 pub struct Cue;

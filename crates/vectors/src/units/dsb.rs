@@ -4,7 +4,8 @@ use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
 use cube3_dsb::PlaneStore;
 use cube3_dsb::golden::{beam_lane, module, ray_lane};
-use cube3_host::{Axes, Geometry, RaySlots, TemplateRule};
+use cube3_frame::{Axes, Geometry};
+use cube3_machine::{RaySlots, TemplateRule};
 use cube3_word::Probe;
 
 /// Chunks of LANES of a beam and of a ray.

@@ -1,7 +1,8 @@
 //! Registers of frames in which all but one stage of the shading leaves colours as they are.
 
 use cube3_abc::lanes::{AbcLanes, ShadedRow};
-use cube3_host::{Axes, Classification, ConeOrder, ConeRegisters, FrameSetup, Geometry, RaySlots, Reuse, TemplateRule};
+use cube3_frame::{Axes, Classification, ConeRegisters, FrameSetup, Geometry};
+use cube3_machine::{ConeOrder, RaySlots, Reuse, TemplateRule};
 use cube3_scene::Mode;
 use cube3_word::{Words, unit_full};
 

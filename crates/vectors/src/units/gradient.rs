@@ -6,7 +6,8 @@ use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire, word_formats};
 use cube3_abc::golden::{Local, local_gradient_wires};
 use cube3_abc::lanes::{Around, GradientLanes, LocalBlock};
-use cube3_host::{GradientMethod, GradientRegisters, GradientScale};
+use cube3_frame::{GradientRegisters, GradientScale};
+use cube3_machine::GradientMethod;
 use cube3_word::{BLOCK, Block};
 
 /// The gradient of one estimator.

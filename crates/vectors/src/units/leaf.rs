@@ -7,7 +7,8 @@ use cube3_abc::golden::Shaded;
 use cube3_abc::lanes::ShadedRow;
 use cube3_cone::golden::leaf_wires;
 use cube3_cone::lanes::{Accumulator, ConeLanes};
-use cube3_host::{ConeOrder, ConeRegisters};
+use cube3_frame::ConeRegisters;
+use cube3_machine::ConeOrder;
 use cube3_scene::Mode;
 
 /// The wires of a product of unit words of `A` bits.

@@ -4,7 +4,8 @@ use super::frame::{coloured, shaded};
 use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
 use cube3_abc::golden::{Light, lit_wires};
-use cube3_host::{FrameSetup, GradientMethod, GradientRegisters, ReflectanceTable, Shading};
+use cube3_frame::{FrameSetup, GradientRegisters, ReflectanceTable, Shading};
+use cube3_machine::GradientMethod;
 use cube3_word::Words;
 
 /// The lit colour.

@@ -6,7 +6,8 @@ use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
 use cube3_cone::golden::{Node as GoldenNode, combine_wires};
 use cube3_cone::lanes::{Accumulator, ConeLanes, RowNode};
-use cube3_host::{ConeOrder, ConeRegisters};
+use cube3_frame::ConeRegisters;
+use cube3_machine::ConeOrder;
 use cube3_scene::Mode;
 
 /// The node.

@@ -5,7 +5,8 @@ use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Table, Tables, Unit, Wire, word_formats};
 use cube3_abc::golden::{normalise, normalise_wires};
 use cube3_abc::lanes::normalise_rows;
-use cube3_host::{GradientMethod, GradientScale, Normaliser};
+use cube3_frame::{GradientScale, Normaliser};
+use cube3_machine::GradientMethod;
 use cube3_word::Rounding;
 
 /// The normaliser.

@@ -4,7 +4,7 @@ use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Table, Tables, Unit, Wire, word_formats};
 use cube3_abc::golden::phong_wires;
 use cube3_abc::lanes::phong_rows;
-use cube3_host::{Phong as Registers, PhongLight};
+use cube3_frame::{Phong as Registers, PhongLight};
 use cube3_scene::Material;
 
 /// Phong's formula.

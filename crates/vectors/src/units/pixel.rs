@@ -4,7 +4,8 @@ use super::modes::{MODE, legal};
 use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
 use cube3_cone::golden::{Node, pixel_wires};
-use cube3_host::{ConeOrder, ConeRegisters};
+use cube3_frame::ConeRegisters;
+use cube3_machine::ConeOrder;
 use cube3_scene::Mode;
 
 /// The pixel.

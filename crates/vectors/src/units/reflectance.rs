@@ -4,7 +4,8 @@ use super::contents::{Noise, colour, colours};
 use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Table, Tables, Unit, Wire, word_formats};
 use cube3_abc::golden::direction_index_wires;
-use cube3_host::{GradientMethod, GradientScale};
+use cube3_frame::GradientScale;
+use cube3_machine::GradientMethod;
 
 /// The reflectance table.
 pub struct Reflectance;

@@ -1,7 +1,8 @@
 //! One pass of a perspective view: the rays of an eye whose major axis is one signed voxel axis.
 
 use crate::fan::{Fan, FanShape, Rays};
-use crate::{Axes, Geometry, RaySlots, SLOPE_FRACTION_BITS, Template, TemplateRule};
+use crate::{Axes, Geometry, SLOPE_FRACTION_BITS, Template};
+use cube3_machine::{RaySlots, TemplateRule};
 use serde::{Deserialize, Serialize};
 
 /// Fraction bits of a sample's place in perspective; see [`Geometry::place`].

@@ -1,20 +1,10 @@
 //! The geometry of a frame: discrete rays, ray slots, and which samples lie in the volume.
 
 use crate::perspective::{PLACE_BITS, Perspective};
-use crate::{Axes, Linear, SLOPE_FRACTION_BITS, Template, TemplateRule};
+use crate::{Axes, Linear, SLOPE_FRACTION_BITS, Template};
+use cube3_machine::{RaySlots, TemplateRule};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
-
-/// How rays of a tilted view share the machine's ray slots.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum RaySlots {
-    /// Rays u and u − n, which together have n voxels, share one slot; planes v and v − n likewise.
-    #[default]
-    Wrapped,
-    /// Each ray and each plane has its own slot: up to four times as many.
-    Padded,
-}
 
 /// The geometry registers of a frame, in canonical coordinates.
 ///

@@ -1,7 +1,8 @@
 //! The machine as data: everything that an architect may change, with a unit and a source.
 
 use crate::{
-    BankHash, BurstOrder, ConeOrder, ControllerKind, LookAheadFreed, LookAheadUnit, MemoryModel, RaySlots, TemplateRule,
+    AcquisitionMode, BankHash, BurstOrder, BusKind, ConeKind, ControllerKind, GradientMethod, Layout, LookAheadFreed,
+    LookAheadUnit, MemoryModel, MemoryType, RayEnds, RaySlots, Reuse, ShadingUnit, TemplateRule,
 };
 use cube3_word::Words;
 use serde::{Deserialize, Serialize};
@@ -56,19 +57,6 @@ pub struct Acquisition {
     pub words_per_cycle: f64,
 }
 
-/// How written and read voxels share the memory modules.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum AcquisitionMode {
-    /// A second port of every module: writing costs reading nothing, and a frame may show a volume that changes.
-    #[default]
-    DualPort,
-    /// Writes take module cycles from reads; a frame may show a volume that changes.
-    CycleStealing,
-    /// Two frame buffers that change roles between frames: twice the memory, no frame shows two volumes.
-    DoubleBuffer,
-}
-
 /// The fast bus: in a slice each channel carries one voxel word.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -81,17 +69,6 @@ pub struct Bus {
     /// Slice clock in hertz; the pipeline's where it is not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clock_hz: Option<f64>,
-}
-
-/// What a bus can do with a beam.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum BusKind {
-    /// Any voxel to any lane: what perspective needs.
-    #[default]
-    Gather,
-    /// A rotation of the whole beam: parallel projection only.
-    Rotate,
 }
 
 /// Boards of lanes in a ring, and the links between neighbours.
@@ -116,35 +93,6 @@ pub struct Boards {
 pub struct Cone {
     /// How the nodes are joined.
     pub kind: ConeKind,
-}
-
-/// How the nodes that make a pixel are joined.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ConeKind {
-    /// A binary tree with cross-links, which starts at any leaf: the paper's.
-    #[default]
-    FoldedTree,
-    /// A binary tree behind a shifter that turns the ray to leaf 0.
-    ShiftedTree,
-    /// A node for each lane, one behind another: front to back, pipelined.
-    Chain,
-    /// One node that takes a sample a cycle: front to back.
-    Accumulator,
-}
-
-impl ConeKind {
-    /// Every kind.
-    pub const ALL: [ConeKind; 4] =
-        [ConeKind::FoldedTree, ConeKind::ShiftedTree, ConeKind::Chain, ConeKind::Accumulator];
-
-    /// The order in which its nodes combine the samples of a ray.
-    pub fn order(self) -> ConeOrder {
-        match self {
-            ConeKind::FoldedTree | ConeKind::ShiftedTree => ConeOrder::Tree,
-            ConeKind::Chain | ConeKind::Accumulator => ConeOrder::FrontToBack,
-        }
-    }
 }
 
 /// The link to the host.
@@ -187,18 +135,6 @@ pub struct Rays {
     pub section: Option<usize>,
 }
 
-/// How much of a step the first and the last sample of a ray stand for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum RayEnds {
-    /// A whole one, as every sample.
-    #[default]
-    Published,
-    /// What there is of it between where the ray enters or leaves and half way to the next sample: the parts of a ray's samples are its
-    /// length.
-    Exact,
-}
-
 /// The cubic frame buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -238,63 +174,6 @@ pub struct Cfb {
     pub reorder_words: Option<u64>,
 }
 
-/// Rows of the table of memory modules; the numbers are in [`crate::MemoryModel`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum MemoryType {
-    /// A word in every pipeline cycle, whatever its address.
-    #[default]
-    Ideal,
-    /// Dual-ported video memory with a cycle of 125 ns.
-    Vram,
-    /// Fast-page DRAM.
-    FastPage,
-    /// SDRAM with banks, bursts, row misses and refresh.
-    Sdram,
-    /// A pseudo-channel of stacked memory.
-    Hbm,
-}
-
-impl MemoryType {
-    /// The name in machine files.
-    pub fn key(self) -> &'static str {
-        match self {
-            MemoryType::Ideal => "ideal",
-            MemoryType::Vram => "vram",
-            MemoryType::FastPage => "fast-page",
-            MemoryType::Sdram => "sdram",
-            MemoryType::Hbm => "hbm",
-        }
-    }
-}
-
-/// Where a voxel lies in its memory module.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Layout {
-    /// Rows of voxels behind one another, along x, then y, then z.
-    #[default]
-    Rows,
-    /// Blocks of up to 8 × 8 × 8 words of a module behind one another, so that a walk along any axis stays in a row of the memory
-    /// for some words. Along x, a module has a word of every `lanes` voxels.
-    Blocks,
-    /// Mini-blocks of 2 × 2 × 2 voxels side by side in one module, which are read whole: mini-block (i, j, k) is in module
-    /// (a·i + b·j + c·k) mod lanes, a without a factor in common with the lanes. Blocks of 2·lanes × 8 × 8 voxels are 128 words of each module.
-    /// After Pfister et al. 1999 and Osborne et al. 1997.
-    MiniBlocks,
-}
-
-impl Layout {
-    /// Every layout, in the order of their numbers in vectors.
-    pub const ALL: [Layout; 3] = [Layout::Rows, Layout::Blocks, Layout::MiniBlocks];
-
-    /// Whether modules can hold a volume in this layout: with mini-blocks each run of `lanes` of them along x has to meet every module.
-    pub fn takes(self, skew: [i64; 3], lanes: usize) -> bool {
-        let lanes = lanes as i64;
-        self != Layout::MiniBlocks || (1..lanes).all(|i| skew[0] * i % lanes != 0)
-    }
-}
-
 /// The 2-D skewed buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -312,36 +191,6 @@ pub struct Dsb {
 pub struct Trilin {
     /// Which intermediate results are kept for the neighbouring sample.
     pub reuse: Reuse,
-}
-
-/// Which intermediate lerps a TRILIN unit keeps; the values are the same, the multipliers differ.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Reuse {
-    /// Nothing: 7 lerps a sample.
-    None,
-    /// The lerps along w of the ray before: 5.
-    Ray,
-    /// The lerps along u of the plane before: 4.
-    Plane,
-    /// Both: 3.
-    #[default]
-    Both,
-}
-
-impl Reuse {
-    /// Every level.
-    pub const ALL: [Reuse; 4] = [Reuse::None, Reuse::Ray, Reuse::Plane, Reuse::Both];
-
-    /// Lerps, and so multipliers, for each sample.
-    pub fn lerps(self) -> u32 {
-        match self {
-            Reuse::None => 7,
-            Reuse::Ray => 5,
-            Reuse::Plane => 4,
-            Reuse::Both => 3,
-        }
-    }
 }
 
 /// The ABC units.
@@ -363,62 +212,6 @@ pub struct Abc {
     /// Most rays from a sample to the neighbours along u and v that its gradient reads: where an eye is near, as many as make a voxel,
     /// but no more than these. The ring then has two planes more for each beyond the first.
     pub reach: u32,
-}
-
-/// Gradient estimators, by the samples that they read. Sections 4 of the paper and 3 of the design.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum GradientMethod {
-    /// Neighbours in u, in v and along the ray, treated as if orthogonal.
-    #[serde(rename = "6")]
-    Six,
-    /// 26 neighbours weighted by inverse Manhattan distance, ¼ for ⅓; treated as if orthogonal.
-    #[serde(rename = "26")]
-    TwentySix,
-    /// Two along the ray, and on each side ray the foot of the perpendicular; raw differences.
-    #[serde(rename = "10")]
-    Ten,
-    /// The same, each difference divided by the length it was taken over.
-    #[serde(rename = "10n")]
-    TenNormalised,
-    /// u and v as in 6; w by bilinear interpolation of four samples on slice k ± 1.
-    #[default]
-    #[serde(rename = "12")]
-    Twelve,
-    /// 6, and Gw = Gr − du·Gu − dv·Gv.
-    #[serde(rename = "6d")]
-    SixSheared,
-    /// 26, and Gw = Gr − du·Gu − dv·Gv.
-    #[serde(rename = "26d")]
-    TwentySixSheared,
-}
-
-impl GradientMethod {
-    /// Every estimator with its name.
-    pub const ALL: [(GradientMethod, &'static str); 7] = [
-        (GradientMethod::Six, "6"),
-        (GradientMethod::TwentySix, "26"),
-        (GradientMethod::Ten, "10"),
-        (GradientMethod::TenNormalised, "10n"),
-        (GradientMethod::Twelve, "12"),
-        (GradientMethod::SixSheared, "6d"),
-        (GradientMethod::TwentySixSheared, "26d"),
-    ];
-
-    /// The name in machine files.
-    pub fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(method, _)| *method == self).map_or("?", |(_, name)| name)
-    }
-}
-
-/// How the ABC unit shades.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ShadingUnit {
-    /// Normalise, then Phong with integer multipliers.
-    #[default]
-    Phong,
-    /// A reflectance table over the direction of the gradient.
-    ReflectanceTable,
 }
 
 /// The channels of the pipeline, in its order.

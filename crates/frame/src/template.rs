@@ -1,23 +1,13 @@
 //! Templates: the steps of the discrete rays and the weights between them, in exact integers.
 
+use cube3_machine::TemplateRule;
 use serde::{Deserialize, Serialize};
+
+/// Most voxels along an axis: what slope and template registers are exact for.
+pub const LARGEST_SIDE: usize = 4096;
 
 /// Fraction bits of a slope register. 17 suffice for n = 512; these are exact for every side that the host takes (4096).
 pub const SLOPE_FRACTION_BITS: u32 = 30;
-
-/// Where the discrete ray takes its floor.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum TemplateRule {
-    /// At the sample, `X(k) = ⌊(k+o)·du⌋`: the paper's. The offset is bounded by `1 − max(du, dv)`, equation (3).
-    #[default]
-    SampleFloor,
-    /// At the plane, `X(k) = ⌊k·du⌋`: the ray is inside the cell at both planes, so every offset is legal.
-    PlaneFloor,
-    /// At the voxel nearest to the sample, `X(k) = ⌊k·du + ½⌋`, and no weights: the rule of label volumes, whose samples lie on planes of
-    /// voxels. The scene asks for it, not a machine file.
-    Nearest,
-}
 
 /// One axis of a parallel view: the column of each plane and the weight of each sample.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]

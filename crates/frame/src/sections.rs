@@ -1,6 +1,7 @@
 //! Sections: ranges of the ray slots of a plane that the machine takes one behind another.
 
-use crate::{Geometry, MachineSpec, RaySlots};
+use crate::Geometry;
+use cube3_machine::{MachineSpec, RaySlots};
 use std::ops::Range;
 
 /// The sections of a frame: the slots of a plane in pieces of one width, the last as wide as is left.
@@ -93,7 +94,8 @@ impl Geometry {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Axes, TemplateRule, largest_offset, slope_register};
+    use crate::{Axes, largest_offset, slope_register};
+    use cube3_machine::TemplateRule;
     use proptest::prelude::*;
 
     proptest! {

@@ -1,7 +1,8 @@
 //! `FrameSetup`: what a driver writes into the machine's registers and tables. Nothing else enters the machine.
 
 use crate::perspective::PLACE_BITS;
-use crate::{EndRegisters, Geometry, GradientMethod, Reuse};
+use crate::{EndRegisters, Geometry};
+use cube3_machine::{ConeOrder, GradientMethod, Reuse};
 use cube3_scene::Mode;
 use cube3_word::{Probe, Words};
 use serde::{Deserialize, Serialize};
@@ -350,17 +351,6 @@ pub struct ReflectanceTable {
     pub specular: Vec<[u32; 3]>,
     /// Intensity of a sample without a gradient.
     pub flat: u32,
-}
-
-/// In which order the samples of a ray are combined.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ConeOrder {
-    /// Neighbours in pairs, level by level, in chunks of the leaves.
-    #[default]
-    Tree,
-    /// One behind another from the eye on, however many leaves there are.
-    FrontToBack,
 }
 
 /// Registers of the cone.

@@ -4,7 +4,8 @@
 //! the n² entries of the paper, section 2. A ray is two registers, its place at the first plane and its slope; columns and
 //! weights follow from them without a rounding but the last one of each weight.
 
-use crate::{SLOPE_FRACTION_BITS, TemplateRule};
+use crate::SLOPE_FRACTION_BITS;
+use cube3_machine::TemplateRule;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 

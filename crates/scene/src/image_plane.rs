@@ -1,8 +1,7 @@
 //! The image plane: where each pixel of the final picture is in the world and on the base plane.
 
-use crate::Geometry;
-use cube3_scene::{Image, Perspective, Scene, View, ViewFrame, sin_cos_degrees};
-use glam::{DAffine2, DMat2, DVec2, DVec3};
+use crate::{Image, Perspective, Scene, View, ViewFrame, sin_cos_degrees};
+use glam::DVec3;
 
 /// A view's image plane. World lengths are those of the spacing.
 ///
@@ -96,27 +95,6 @@ impl ImagePlane {
     fn off_middle(&self, column: f64, row: f64) -> DVec3 {
         let middle = |pixels: usize| (pixels as f64 - 1.0) * 0.5;
         self.across * (column - middle(self.width)) + self.down * (row - middle(self.height))
-    }
-
-    /// The affine map from pixel (column, row) to the base plane's ray coordinates (u, v), of a parallel view.
-    pub fn to_base_plane(&self, geometry: &Geometry, spacing: [f64; 3]) -> DAffine2 {
-        let [du, dv] = geometry.real_slopes();
-        let project = |world: DVec3, affine: bool| {
-            let xyz = [0, 1, 2].map(|i| world[i] / spacing[i]);
-            let c = [0, 1, 2].map(|i| {
-                let along = xyz[geometry.axes.axis[i]];
-                match (geometry.axes.reversed[i], affine) {
-                    (true, true) => (geometry.size[i] - 1) as f64 - along,
-                    (true, false) => -along,
-                    (false, _) => along,
-                }
-            });
-            DVec2::new(c[0] - c[2] * du, c[1] - c[2] * dv)
-        };
-        DAffine2::from_mat2_translation(
-            DMat2::from_cols(project(self.across, false), project(self.down, false)),
-            project(self.first, true),
-        )
     }
 }
 

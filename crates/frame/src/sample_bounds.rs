@@ -1,6 +1,7 @@
 //! Which samples of a parallel frame lie in the volume, for whole rays at once.
 
-use crate::{DiscreteRay, Geometry, RaySlots};
+use crate::{DiscreteRay, Geometry};
+use cube3_machine::RaySlots;
 use cube3_word::{BLOCK, Block, block, vectorised};
 use std::ops::Range;
 
@@ -182,7 +183,8 @@ impl RayStretches {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Axes, TemplateRule, largest_offset, slope_register};
+    use crate::{Axes, largest_offset, slope_register};
+    use cube3_machine::TemplateRule;
     use proptest::prelude::*;
 
     proptest! {

@@ -1,0 +1,31 @@
+//! A frame of the machine: what a driver writes into its registers and tables, and the geometry that follows from them.
+//!
+//! Everything that enters the machine is a [`FrameSetup`]. The host makes it from a scene and a machine; units, golden vectors and RTL test
+//! benches read it. The machine answers with a [`BasePlane`]. Pfister et al. 1995, sections 2, 3.
+
+mod axes;
+mod base_plane;
+mod coverage;
+mod ends;
+mod fan;
+mod geometry;
+mod perspective;
+mod registers;
+mod sample_bounds;
+mod sections;
+mod template;
+
+pub use axes::Axes;
+pub use base_plane::BasePlane;
+pub use coverage::Coverage;
+pub use ends::EndRegisters;
+pub use fan::{Fan, FanShape};
+pub use geometry::{DiscreteRay, Geometry};
+pub use perspective::{PLACE_BITS, PassShape, Perspective};
+pub use registers::{
+    Classification, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, HalfSpace, Linear,
+    LinearFactor, Normaliser, Phong, PhongLight, RayRegisters, ReflectanceTable, Shading,
+};
+pub use sample_bounds::{BESIDE, RayStretches, SampleBounds};
+pub use sections::Sections;
+pub use template::{LARGEST_SIDE, SLOPE_FRACTION_BITS, Template, largest_offset, slope_register};
