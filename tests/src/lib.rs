@@ -1,6 +1,7 @@
 //! Random machines, scenes and volumes for the tests that cross crates, and the tools that the hardware's tests run.
 
 pub mod golden_breaks;
+pub mod house;
 pub mod rtl;
 pub mod rtl_vectors;
 

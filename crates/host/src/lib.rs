@@ -6,6 +6,7 @@
 mod canonical;
 mod classification;
 mod ends;
+mod golden;
 mod picture;
 mod setup;
 mod shading;
@@ -13,10 +14,7 @@ mod warp;
 
 pub use canonical::{CanonicalView, canonical};
 pub use classification::OpacityEntries;
-pub use ends::whole_step_opacity;
+pub use golden::{Basis, step_length, whole_step_opacity};
 pub use picture::{PictureFrames, picture_setup};
-pub(crate) use setup::gradient_scale;
-pub use setup::{
-    Basis, Frame, HostError, LARGEST_RATIO, LeftOut, SPACING_RANGE, VolumeInfo, check_bus, frame_setup, step_length,
-};
+pub use setup::{Frame, HostError, LARGEST_RATIO, LeftOut, SPACING_RANGE, VolumeInfo, check_bus, frame_setup};
 pub use warp::{warp, warp_passes, warp_reals};

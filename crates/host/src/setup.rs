@@ -1,14 +1,14 @@
 //! Makes the `FrameSetup`: scene and machine in, registers and tables out.
 
-use crate::{OpacityEntries, canonical, classification, ends, shading, whole_step_opacity};
+use crate::golden::{self, Basis, StepLengths, gradient_scale, is_unity, neutral_cue, sum_weight, whole_step_opacity};
+use crate::{OpacityEntries, canonical, classification, ends, shading};
 use cube3_frame::{
-    Axes, ConeRegisters, EndRegisters, FrameSetup, Geometry, GradientRegisters, GradientScale, HalfSpace, LARGEST_SIDE,
-    Linear, LinearFactor, Normaliser, PLACE_BITS, Perspective, RayRegisters, SLOPE_FRACTION_BITS, largest_offset,
-    slope_register,
+    ConeRegisters, EndRegisters, FrameSetup, Geometry, GradientRegisters, HalfSpace, LARGEST_SIDE, Normaliser,
+    Perspective, RayRegisters, largest_offset, slope_register,
 };
 use cube3_machine::{Abc, BusKind, GradientMethod, MachineSpec, RaySlots, ShadingUnit, TemplateRule};
 use cube3_scene::{Mode, Scene, SceneError, ViewFrame};
-use cube3_word::{Words, quantise_fraction, quantise_unit, unit_full, unit_resize};
+use cube3_word::{quantise_fraction, quantise_unit};
 use std::borrow::Cow;
 
 /// What the host needs to know of a volume.
@@ -204,7 +204,7 @@ fn check_tables(scene: &Scene, machine: &MachineSpec, classes: u32, remedy: &'st
 }
 
 /// Whether opacities are corrected to the length of a step.
-fn corrects_opacity(scene: &Scene) -> bool {
+pub(crate) fn corrects_opacity(scene: &Scene) -> bool {
     scene.mode == Mode::Composite && scene.transfer.opacity_correction
 }
 
@@ -310,7 +310,7 @@ pub(crate) fn registers(
             format!("{words} voxels and {} samples of buffer", 2 * words),
         );
     }
-    let steps = StepLengths::new(scene, &geometry, volume.spacing);
+    let steps = StepLengths::new(corrects_opacity(scene), &geometry, volume.spacing);
     let rays = geometry
         .perspective
         .as_ref()
@@ -318,6 +318,7 @@ pub(crate) fn registers(
     let ends = ends::registers(scene, machine, &geometry, &steps.lengths);
     let whole = ends.as_ref().map(|_| whole_step_opacity(scene.mode, &words, geometry.bounding_planes()));
     let entries = OpacityEntries::new(scene, machine, volume, steps.lengths, rows, &basis);
+    let cue = scene.depth_cue.as_ref().map(|cue| golden::depth_cue(cue, &geometry, volume.spacing, view));
     let setup = FrameSetup {
         schema: 1,
         words,
@@ -331,7 +332,7 @@ pub(crate) fn registers(
         } else {
             (!plan).then(|| shading::neutral(machine))
         },
-        depth_cue: depth_cue(scene, &geometry, volume, view).or_else(|| (!plan).then(neutral_cue)),
+        depth_cue: cue.or_else(|| (!plan).then(neutral_cue)),
         cone: ConeRegisters {
             mode: scene.mode,
             order: machine.cone.kind.order(),
@@ -346,76 +347,6 @@ pub(crate) fn registers(
     (setup, left_out)
 }
 
-/// The weight of a weighted sum: one of the samples of a ray through all planes, or one step of those from the front face to the back one,
-/// where opacity 1 over a `whole` step has a word of its own.
-fn sum_weight(words: &Words, geometry: &Geometry, whole: Option<u32>) -> u64 {
-    let one = 1_u64 << ConeRegisters::WEIGHT_BITS;
-    let Some(whole) = whole else {
-        return one / geometry.size[2] as u64;
-    };
-    let bits = words.accumulator_bits;
-    let whole = unit_resize(whole, words.opacity_bits, bits).max(1);
-    let steps = geometry.bounding_planes().saturating_sub(1).max(1) as u128;
-    (u128::from(one) * u128::from(unit_full(bits)) / (u128::from(whole) * steps)).min(one.into()) as u64
-}
-
-/// Step lengths that opacity is corrected to, in units of the smallest spacing: one in a parallel frame, in perspective the
-/// middles of classes, and the parts of the squared length that put a ray into its class.
-pub(crate) struct StepLengths {
-    pub lengths: Vec<f64>,
-    along_u: Vec<u32>,
-    along_v: Vec<u32>,
-}
-
-/// Squared lengths that differ by less, relative to the shortest, share one class: the opacity is then off by less than a 16-bit word.
-const SAME_LENGTH: f64 = 1e-6;
-
-impl StepLengths {
-    pub(crate) fn new(scene: &Scene, geometry: &Geometry, spacing: [f64; 3]) -> StepLengths {
-        let corrects = corrects_opacity(scene);
-        let Some(pass) = &geometry.perspective else {
-            let length = if corrects { step_length(geometry, spacing) } else { 1.0 };
-            return StepLengths { lengths: vec![length], along_u: Vec::new(), along_v: Vec::new() };
-        };
-        let s = geometry.axes.permute(spacing);
-        let squares = |slopes: &[i64], s: f64| -> Vec<f64> {
-            slopes.iter().map(|&slope| (s * real_slope(slope)).powi(2)).collect()
-        };
-        let [along_u, along_v] = [squares(&pass.u.slopes, s[0]), squares(&pass.v.slopes, s[1])];
-        let least = |squares: &[f64]| squares.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = |squares: &[f64]| squares.iter().copied().fold(0.0, f64::max);
-        let [least_u, least_v] = [least(&along_u), least(&along_v)];
-        let shortest = least_u + least_v + s[2].powi(2);
-        let range = most(&along_u) - least_u + (most(&along_v) - least_v);
-        let smallest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
-        let classes = match corrects {
-            true if range > shortest * SAME_LENGTH => RayRegisters::MOST_CLASSES,
-            _ => 1,
-        };
-        // Classes from the shortest step to the longest; a ray is in the nearest. So the ray straight ahead has its own length.
-        let lengths = (0..classes).map(|class| {
-            let middle = f64::from(class) / f64::from((classes - 1).max(1));
-            if corrects { (shortest + range * middle).sqrt() / smallest } else { 1.0 }
-        });
-        let top = f64::from((classes - 1) << RayRegisters::CLASS_SHIFT);
-        let part = |squares: &[f64], least: f64, half: u32| -> Vec<u32> {
-            let part =
-                |square: &f64| if classes == 1 { 0 } else { ((square - least) / range * top).round() as u32 + half };
-            squares.iter().map(part).collect()
-        };
-        let half = 1 << (RayRegisters::CLASS_SHIFT - 1);
-        StepLengths {
-            lengths: lengths.collect(),
-            along_u: part(&along_u, least_u, half),
-            along_v: part(&along_v, least_v, 0),
-        }
-    }
-}
-
-fn real_slope(register: i64) -> f64 {
-    register as f64 / f64::from(1_u32 << SLOPE_FRACTION_BITS)
-}
-
 fn ray_registers(
     scene: &Scene,
     volume: &VolumeInfo,
@@ -426,23 +357,17 @@ fn ray_registers(
     steps: &StepLengths,
 ) -> RayRegisters {
     let s = geometry.axes.permute(volume.spacing);
-    let along = |slopes: &[i64], s: f64| -> Vec<f64> { slopes.iter().map(|&slope| s * real_slope(slope)).collect() };
+    let along =
+        |slopes: &[i64], s: f64| -> Vec<f64> { slopes.iter().map(|&slope| s * golden::real_slope(slope)).collect() };
     let [view_u, view_v] = [along(&pass.u.slopes, s[0]), along(&pass.v.slopes, s[1])];
     let largest = view_u.iter().chain(&view_v).fold(s[2], |most, x| most.max(x.abs()));
     let view = |x: f64| (x / largest * f64::from(1 << 28)).round() as i32;
-    let slope = |slopes: &[i64]| -> Vec<u32> {
-        let register = |&slope: &i64| {
-            let size = slope.unsigned_abs() >> (SLOPE_FRACTION_BITS - RayRegisters::SLOPE_BITS - 1);
-            (size.div_ceil(2) as u32).min(2 << RayRegisters::SLOPE_BITS)
-        };
-        slopes.iter().map(register).collect()
-    };
+    let slope = |slopes: &[i64]| -> Vec<u32> { slopes.iter().map(|&slope| golden::slope_size(slope)).collect() };
     let reach = |k: usize| pass.reach_at(k as i64, geometry.offset, geometry.weight_bits);
     // From a sample to its neighbours along u and v.
     let spacing = |k: usize| pass.spacing_at(k as i64, geometry.offset, geometry.weight_bits) * f64::from(reach(k));
     let depths = 0..geometry.size[2];
     let (scale, _) = basis.scale(method);
-    let factor = |x: f64| quantise_fraction(x, GradientScale::FACTOR_BITS);
     RayRegisters {
         view_w: view(s[2]),
         view_u: view_u.into_iter().map(view).collect(),
@@ -457,20 +382,24 @@ fn ray_registers(
         length_classes: steps.lengths.len() as u32,
         slope_u: slope(&pass.u.slopes),
         slope_v: slope(&pass.v.slopes),
-        closeness: depths
-            .clone()
-            .map(|k| quantise_fraction(1.0 / spacing(k).max(1.0), RayRegisters::SLOPE_BITS))
-            .collect(),
+        closeness: depths.clone().map(|k| golden::closeness(spacing(k))).collect(),
         factors: depths
             .clone()
             .map(|k| {
                 let apart = spacing(k).max(1.0);
-                [factor(scale[0] / apart), factor(scale[1] / apart), factor(scale[2])]
+                [golden::factor(scale[0] / apart), golden::factor(scale[1] / apart), golden::factor(scale[2])]
             })
             .collect(),
         reach: pass.doubled.then(|| depths.clone().map(reach).collect()),
-        nearness: pass.doubled.then(|| depths.map(|k| factor(spacing(k))).collect()),
+        nearness: pass.doubled.then(|| depths.map(|k| golden::factor(spacing(k))).collect()),
     }
+}
+
+/// The half-spaces of cuts and crop box.
+fn clips(scene: &Scene, machine: &MachineSpec, geometry: &Geometry) -> Vec<HalfSpace> {
+    let whole_steps = scene.mode.adds_up() && !ends::has_ends(scene, machine);
+    let cuts = scene.cuts.iter().map(|cut| golden::cut(geometry, cut, whole_steps));
+    cuts.chain(scene.crop.iter().flat_map(|crop| golden::crop(geometry, crop, whole_steps))).collect()
 }
 
 /// Modes whose pixel is a lit colour; the others show values.
@@ -500,66 +429,6 @@ fn geometry(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, view: &Vi
     Geometry::new(size, canonical.axes, slopes, offset, bits, rule, machine.rays.slots)
 }
 
-/// The frame that a gradient's components are in, treated as orthonormal by the shading unit.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Basis {
-    /// Unit vectors of the components, in canonical world lengths.
-    pub vectors: [[f64; 3]; 3],
-    /// Length that half of each difference is taken over, in the unit of the spacing.
-    pub lengths: [f64; 3],
-    /// Along-ray parts of the feet of the perpendiculars from the side rays, 0 to 1 (method 10).
-    pub feet: [f64; 2],
-    /// Whether the factors of the components differ from depth to depth: in perspective.
-    pub varies: bool,
-}
-
-impl Basis {
-    /// The frame of an estimator for a geometry and voxel `spacing` (x, y, z).
-    pub fn new(geometry: &Geometry, spacing: [f64; 3], method: GradientMethod) -> Basis {
-        let s = geometry.axes.permute(spacing);
-        let [du, dv] = geometry.real_slopes();
-        let ray = [s[0] * du, s[1] * dv, s[2]];
-        let square: f64 = ray.iter().map(|x| x * x).sum();
-        let feet = [(s[0] * ray[0] / square).min(1.0), (s[1] * ray[1] / square).min(1.0)];
-        let (vectors, lengths) = match method {
-            GradientMethod::Ten | GradientMethod::TenNormalised => {
-                let side = |axis: usize| {
-                    let mut vector = ray.map(|x| -feet[axis] * x);
-                    vector[axis] += s[axis];
-                    vector
-                };
-                let vectors = [side(0), side(1), ray];
-                let lengths = vectors.map(|v| v.iter().map(|x| x * x).sum::<f64>().sqrt());
-                ([0, 1, 2].map(|i| vectors[i].map(|x| x / lengths[i])), lengths)
-            }
-            _ => ([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], s),
-        };
-        Basis { vectors, lengths, feet, varies: geometry.perspective.is_some() }
-    }
-
-    /// Factors that the components are multiplied with, the largest 1; and the length that the
-    /// differences are then relative to.
-    pub fn scale(&self, method: GradientMethod) -> ([f64; 3], f64) {
-        let shortest = self.lengths.iter().copied().fold(f64::INFINITY, f64::min);
-        if method == GradientMethod::Ten {
-            return ([1.0; 3], shortest);
-        }
-        (self.lengths.map(|length| shortest / length), shortest)
-    }
-
-    /// A world vector in the frame's components.
-    pub fn components(&self, axes: &Axes, world: glam::DVec3) -> [f64; 3] {
-        let canonical = axes.to_canonical(world);
-        self.vectors.map(|v| v[0] * canonical[0] + v[1] * canonical[1] + v[2] * canonical[2])
-    }
-
-    /// A gradient in the frame's components as a world vector.
-    pub fn world(&self, axes: &Axes, components: [f64; 3]) -> glam::DVec3 {
-        let canonical = [0, 1, 2].map(|i| (0..3).map(|j| components[j] * self.vectors[j][i]).sum());
-        axes.to_world(canonical)
-    }
-}
-
 fn gradient_registers(machine: &MachineSpec, geometry: &Geometry, basis: &Basis, plan: bool) -> GradientRegisters {
     let method = machine.abc.gradient;
     let weights = match method {
@@ -574,130 +443,12 @@ fn gradient_registers(machine: &MachineSpec, geometry: &Geometry, basis: &Basis,
     }
 }
 
-/// The factors of a frame, in perspective where rays are a voxel apart; where all are 1 at every depth, nothing is kept below
-/// the gradient's word.
-pub(crate) fn gradient_scale(machine: &MachineSpec, basis: &Basis) -> GradientScale {
-    let method = machine.abc.gradient;
-    let (factors, _) = basis.scale(method);
-    let factors = factors.map(|factor| quantise_fraction(factor, GradientScale::FACTOR_BITS));
-    let scale = GradientScale { factors, kept_bits: 0 };
-    let kept_bits = GradientScale::FACTOR_BITS.min(GradientScale::room(method, &machine.words));
-    if is_unity(&scale) && !basis.varies { scale } else { GradientScale { kept_bits, ..scale } }
-}
-
-fn is_unity(scale: &GradientScale) -> bool {
-    scale.factors.iter().all(|&factor| factor == 1 << GradientScale::FACTOR_BITS)
-}
-
-/// A function `normal · p + constant` of the voxel position, over rays and depths, or over places in perspective.
-pub(crate) fn linear(geometry: &Geometry, normal: [f64; 3], constant: f64, fraction_bits: u32) -> Linear {
-    let one = (1_u64 << fraction_bits) as f64;
-    // A plane farther away than this decides nothing, and sums over any volume stay within 64 bits.
-    let quantise = |x: f64, most: f64| (x * one).clamp(-most, most).round() as i64;
-    let far = 2_f64.powi(60);
-    if geometry.perspective.is_some() {
-        let steep = 2_f64.powi(48 - PLACE_BITS as i32);
-        let [u, v, k] = normal.map(|x| quantise(x, steep));
-        return Linear { u, v, k, constant: quantise(constant, far) };
-    }
-    let [du, dv] = geometry.real_slopes();
-    let along = normal[0] * du + normal[1] * dv + normal[2];
-    let steep = 2_f64.powi(46);
-    Linear {
-        u: quantise(normal[0], steep),
-        v: quantise(normal[1], steep),
-        k: quantise(along, steep),
-        constant: quantise(constant + geometry.real_offset() * along, far),
-    }
-}
-
-/// `normal · (p − through)` of voxel positions x, y, z, in canonical coordinates: normal and constant.
-fn canonical_plane(geometry: &Geometry, normal: [f64; 3], through: [f64; 3]) -> ([f64; 3], f64) {
-    let mut constant = 0.0;
-    let normal = [0, 1, 2].map(|i| {
-        let axis = geometry.axes.axis[i];
-        let last = (geometry.size[i] - 1) as f64;
-        if geometry.axes.reversed[i] {
-            constant += normal[axis] * (last - through[axis]);
-            -normal[axis]
-        } else {
-            constant -= normal[axis] * through[axis];
-            normal[axis]
-        }
-    });
-    (normal, constant)
-}
-
-/// How far beside a face, in voxels, a sample counts as on it: more than the registers round by.
-const ON_FACE: f64 = 1.0 / 65536.0;
-
-/// The half-spaces of cuts and crop box.
-///
-/// Where samples stand for whole steps and are added up, a sample on a face through which the ray enters is kept, and one on a face through
-/// which it leaves is not: its step lies behind. So between two faces there are as many samples at every offset.
-fn clips(scene: &Scene, machine: &MachineSpec, geometry: &Geometry) -> Vec<HalfSpace> {
-    let whole_steps = scene.mode.adds_up() && !ends::has_ends(scene, machine);
-    let half_space = |outward: [f64; 3], through: [f64; 3]| {
-        let (normal, constant) = canonical_plane(geometry, outward.map(|x| -x), through);
-        let along = match &geometry.perspective {
-            None => linear(geometry, normal, 0.0, HalfSpace::FRACTION_BITS).k,
-            // A face across the rays alone is entered or left by all of them.
-            Some(_) if normal[0] == 0.0 && normal[1] == 0.0 => normal[2].signum() as i64,
-            Some(_) => 0,
-        };
-        let kept = if whole_steps { along.signum() as f64 * ON_FACE } else { 0.0 };
-        HalfSpace { distance: linear(geometry, normal, constant + kept, HalfSpace::FRACTION_BITS) }
-    };
-    let mut clips = Vec::new();
-    for cut in &scene.cuts {
-        let largest = cut.normal.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        clips.push(half_space(cut.normal.map(|x| x / largest), cut.through_voxel));
-    }
-    if let Some(crop) = &scene.crop {
-        for axis in 0..3 {
-            let mut outward = [0.0; 3];
-            outward[axis] = -1.0;
-            clips.push(half_space(outward, crop.min_voxel));
-            outward[axis] = 1.0;
-            clips.push(half_space(outward, crop.max_voxel));
-        }
-    }
-    clips
-}
-
-/// A factor of 1 everywhere.
-fn neutral_cue() -> LinearFactor {
-    LinearFactor { factor: Linear { u: 0, v: 0, k: 0, constant: 1 << LinearFactor::FRACTION_BITS } }
-}
-
-/// The cue along the view, from the nearest corner voxel, which is canonical (0, 0, 0) in a parallel view, to the farthest.
-fn depth_cue(scene: &Scene, geometry: &Geometry, volume: &VolumeInfo, view: &ViewFrame) -> Option<LinearFactor> {
-    let cue = scene.depth_cue.as_ref()?;
-    let direction = geometry.axes.to_canonical(view.direction);
-    let spacing = geometry.axes.permute(volume.spacing);
-    let steps = [0, 1, 2].map(|i| direction[i] * spacing[i]);
-    let reach = [0, 1, 2].map(|i| steps[i] * (geometry.size[i] - 1) as f64);
-    let nearest: f64 = reach.iter().map(|x| x.min(0.0)).sum();
-    let depth = reach.iter().map(|x| x.max(0.0)).sum::<f64>() - nearest;
-    let rate = if depth > 0.0 { (cue.back - cue.front) / depth } else { 0.0 };
-    let normal = steps.map(|step| step * rate);
-    let at_origin = cue.front - nearest * rate;
-    Some(LinearFactor { factor: linear(geometry, normal, at_origin, LinearFactor::FRACTION_BITS) })
-}
-
-/// Length of a ray's step in units of the smallest voxel spacing: what opacity is corrected to.
-pub fn step_length(geometry: &Geometry, spacing: [f64; 3]) -> f64 {
-    let s = geometry.axes.permute(spacing);
-    let [du, dv] = geometry.real_slopes();
-    let smallest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
-    let square = (s[0] * du).powi(2) + (s[1] * dv).powi(2) + s[2].powi(2);
-    square.sqrt() / smallest
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_frame::Axes;
     use cube3_machine::Bus;
+    use cube3_word::Words;
 
     #[test]
     fn opacity_tables_of_an_eye_have_a_limit() {
@@ -758,13 +509,13 @@ mod tests {
                 joins: false,
             };
             let geometry = Geometry::perspective(&shape).unwrap();
-            let steps = StepLengths::new(&scene, &geometry, spacing);
+            let steps = StepLengths::new(corrects_opacity(&scene), &geometry, spacing);
             let pass = geometry.perspective.as_ref().unwrap();
             let smallest = spacing.into_iter().fold(f64::INFINITY, f64::min);
             let squares: Vec<(f64, usize)> = (0..pass.u.count() * pass.v.count())
                 .map(|i| {
                     let (column, row) = (i % pass.u.count(), i / pass.u.count());
-                    let [u, v] = [pass.u.slopes[column], pass.v.slopes[row]].map(real_slope);
+                    let [u, v] = [pass.u.slopes[column], pass.v.slopes[row]].map(golden::real_slope);
                     let square = (spacing[0] * u).powi(2) + (spacing[1] * v).powi(2) + spacing[2].powi(2);
                     let class = (steps.along_u[column] + steps.along_v[row]) >> RayRegisters::CLASS_SHIFT;
                     (square / smallest.powi(2), class as usize)

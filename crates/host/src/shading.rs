@@ -1,6 +1,6 @@
 //! Registers and tables of the shading unit.
 
-use crate::Basis;
+use crate::golden::{Basis, added, intensity};
 use cube3_frame::{Geometry, Phong, PhongLight, ReflectanceTable, Shading};
 use cube3_machine::{MachineSpec, ShadingUnit};
 use cube3_scene::{ResolvedLight, Scene, ViewFrame, resolve_lights};
@@ -30,17 +30,6 @@ pub(crate) fn registers(
         ShadingUnit::Phong => Shading::Phong(phong(scene, machine, &lights)),
         ShadingUnit::ReflectanceTable => Shading::Table(reflectance(scene, machine, &lights)),
     }
-}
-
-/// An intensity 0 to below 16 as a fraction of the colour bits.
-fn intensity(value: f64, colour_bits: u32) -> u32 {
-    let one = f64::from(1_u32 << colour_bits);
-    (value.clamp(0.0, 15.0) * one).round() as u32
-}
-
-/// An added intensity on the scale of a unit colour word.
-fn added(value: f64, colour_bits: u32) -> u32 {
-    (value.clamp(0.0, 15.0) * f64::from(cube3_word::unit_full(colour_bits))).round() as u32
 }
 
 fn phong(scene: &Scene, machine: &MachineSpec, lights: &[LocalLight]) -> Phong {
