@@ -14,8 +14,8 @@ use cube3_abc::golden::{
 };
 use cube3_cfb::golden::Skew;
 use cube3_cfb::{FrameBuffer, FrameBufferError, Piece, scan};
+use cube3_cone::golden::Segment;
 use cube3_cone::golden::{Node, combine, leaf, pixel, reduce};
-use cube3_cone::lanes::Segment;
 use cube3_cone::{place_of_circle, segments};
 use cube3_frame::{BasePlane, DiscreteRay, FrameSetup, GradientScale, LinearFactor, Phong, Sections, Shading};
 use cube3_machine::{ConeOrder, GradientMethod, MachineSpec, RaySlots};

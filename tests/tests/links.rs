@@ -5,6 +5,7 @@ use cube3::limits::{frame_interval, limits};
 use cube3::machine::{Machine, RunCounters};
 use cube3_channel::Reason;
 use cube3_dsb::BoardSpec;
+use cube3_dsb::golden::walk;
 use cube3_frame::FrameSetup;
 use cube3_host::{VolumeInfo, picture_setup};
 use cube3_machine::{Abc, Boards, Cone, ConeKind, GradientMethod, MachineSpec, RaySlots, Rays};
@@ -73,8 +74,8 @@ fn of_beam(spec: &BoardSpec, setup: &FrameSetup, plane: usize, depth: usize) -> 
     let v = geometry.row_at(geometry.ray_in_slot(plane, 0, depth).v, depth);
     match v {
         None => vec![[0; 2]; spec.boards],
-        Some(v) if geometry.perspective.is_none() => spec.walk(spec.moves(geometry, v, depth)),
-        Some(_) => spec.walk(spec.gathered(geometry, plane, depth)),
+        Some(v) if geometry.perspective.is_none() => walk(spec, spec.moves(geometry, v, depth)),
+        Some(_) => walk(spec, spec.gathered(geometry, plane, depth)),
     }
 }
 
@@ -119,14 +120,14 @@ fn of_cone(spec: &BoardSpec, kind: ConeKind, start: usize, chunks: u64) -> Words
         moves.into_iter().map(move |pair| pair.map(|leaf| (start + leaf) % lanes))
     };
     match kind {
-        ConeKind::FoldedTree => add(&mut words, &spec.walk(pairs(start)), 4 * chunks),
+        ConeKind::FoldedTree => add(&mut words, &walk(spec, pairs(start)), 4 * chunks),
         ConeKind::ShiftedTree => {
-            add(&mut words, &spec.walk((0..lanes).map(|leaf| [(start + leaf) % lanes, leaf])), 4 * chunks);
-            add(&mut words, &spec.walk(pairs(0)), 4 * chunks);
+            add(&mut words, &walk(spec, (0..lanes).map(|leaf| [(start + leaf) % lanes, leaf])), 4 * chunks);
+            add(&mut words, &walk(spec, pairs(0)), 4 * chunks);
         }
         ConeKind::Chain => {
             let nodes = chunks as usize * lanes;
-            add(&mut words, &spec.walk((1..nodes).map(|i| [start + i - 1, start + i].map(|leaf| leaf % lanes))), 4);
+            add(&mut words, &walk(spec, (1..nodes).map(|i| [start + i - 1, start + i].map(|leaf| leaf % lanes))), 4);
         }
         ConeKind::Accumulator => {
             for lane in 0..lanes {

@@ -1,6 +1,7 @@
 //! The addressing of one voxel, and how many cycles a row of voxels takes. The definition.
 
-use cube3_machine::Layout;
+use cube3_frame::Geometry;
+use cube3_machine::{Layout, RaySlots};
 use cube3_word::Probe;
 use std::ops::Range;
 
@@ -261,4 +262,25 @@ impl Placement {
 /// turns the beam, and mirrors it where u itself is reversed.
 pub fn output_lane(lanes: usize, uvw: [usize; 3]) -> usize {
     (uvw[0] + uvw[1] + uvw[2]) % lanes
+}
+
+/// The row of the volume that plane `plane` of ray slots has at a depth.
+#[inline(always)]
+pub fn row(geometry: &Geometry, plane: u32, depth: u32) -> Option<u32> {
+    if let Some(pass) = &geometry.perspective {
+        return u32::try_from(pass.v.near(plane as usize, depth as usize))
+            .ok()
+            .filter(|&row| row < geometry.size[1] as u32);
+    }
+    let rows = geometry.size[1] as u32;
+    let shift = geometry.v.columns[depth as usize];
+    match geometry.slots {
+        // Mostly no division is needed, which takes longer than all else of a cycle.
+        RaySlots::Wrapped => Some(match plane + shift {
+            row if row < rows => row,
+            row if row < 2 * rows => row - rows,
+            row => row % rows,
+        }),
+        RaySlots::Padded => (plane + shift).checked_sub(geometry.shear_v() as u32).filter(|&row| row < rows),
+    }
 }

@@ -5,12 +5,12 @@
 //! ```
 //! Where a machine takes the ray slots of a plane in sections, a beam is what the slots of the section have of a row.
 
-use crate::golden::{Skew, Steps};
+use crate::golden::{Skew, Steps, row};
 use crate::memory::{MemoryCounters, ReorderCounters, Supply, SupplyState};
 use crate::{AcquisitionPort, FrameBuffer, PortSpec};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, Reason};
 use cube3_frame::{FrameSetup, Geometry, Sections};
-use cube3_machine::{Layout, MachineSpec, RaySlots};
+use cube3_machine::{Layout, MachineSpec};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -477,27 +477,6 @@ impl<F> Archived for CfbUnit<F> {
         archive.item(port)?;
         archive.item(state)?;
         archive.item(account)
-    }
-}
-
-/// The row of the volume that plane `plane` of ray slots has at a depth.
-#[inline(always)]
-pub(crate) fn row(geometry: &Geometry, plane: u32, depth: u32) -> Option<u32> {
-    if let Some(pass) = &geometry.perspective {
-        return u32::try_from(pass.v.near(plane as usize, depth as usize))
-            .ok()
-            .filter(|&row| row < geometry.size[1] as u32);
-    }
-    let rows = geometry.size[1] as u32;
-    let shift = geometry.v.columns[depth as usize];
-    match geometry.slots {
-        // Mostly no division is needed, which takes longer than all else of a cycle.
-        RaySlots::Wrapped => Some(match plane + shift {
-            row if row < rows => row,
-            row if row < 2 * rows => row - rows,
-            row => row % rows,
-        }),
-        RaySlots::Padded => (plane + shift).checked_sub(geometry.shear_v() as u32).filter(|&row| row < rows),
     }
 }
 

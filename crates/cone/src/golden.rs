@@ -1,7 +1,7 @@
 //! A leaf, a node and a whole ray of the cone. The definition.
 
 use cube3_abc::golden::{Counted, Shaded};
-use cube3_frame::ConeRegisters;
+use cube3_frame::{ConeRegisters, DiscreteRay};
 use cube3_machine::ConeOrder;
 use cube3_scene::Mode;
 use cube3_word::{Probe, Words, unit_full, unit_mul_wires, unit_resize};
@@ -144,4 +144,62 @@ pub fn pixel_wires(node: Node, cone: &ConeRegisters, words: &Words, probe: &mut 
         held as u32
     });
     Counted { value, overflows }
+}
+
+/// A stretch of one ray at a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Segment {
+    /// The ray.
+    pub ray: DiscreteRay,
+    /// Its samples so far.
+    pub node: Node,
+}
+
+/// A segmented reduction of one slot: the leaves of a circle from `start` on, each with the ray that it belongs to, and
+/// `of(place)` the leaf at a place of the circle. Each ray that has a leaf gives a segment, in order of depth.
+///
+/// Level by level, neighbours are paired relative to the start: the cross-links of the folded tree. A
+/// node joins the last segment of its left child with the first of its right one if they are of the same ray, and
+/// passes on the others.
+pub fn circle(count: usize, start: usize, of: impl Fn(usize) -> Segment, mode: Mode, words: &Words) -> Vec<Segment> {
+    circle_by(count, start, of, &mut |left, right| combine(mode, left, right, words))
+}
+
+/// [`circle`] with `node(left, right)` for each node that joins two stretches of a ray, level by level from the start.
+#[inline]
+pub fn circle_by(
+    count: usize,
+    start: usize,
+    of: impl Fn(usize) -> Segment,
+    node: &mut impl FnMut(Node, Node) -> Node,
+) -> Vec<Segment> {
+    // The segments of all nodes of a level, one node after the other, and how many each has. A level is made in the place of
+    // the one before, which it never overtakes.
+    let mut segments: Vec<Segment> = (0..count).map(|i| of((start + i) % count)).collect();
+    let mut counts = vec![1; count];
+    while counts.len() > 1 {
+        let nodes = counts.len();
+        let (mut read, mut written) = (0, 0);
+        for place in 0..nodes.div_ceil(2) {
+            let left = counts[2 * place];
+            segments.copy_within(read..read + left, written);
+            read += left;
+            let mut end = written + left;
+            if let Some(&right) = counts.get(2 * place + 1) {
+                let behind = read + right;
+                if segments[end - 1].ray == segments[read].ray {
+                    segments[end - 1].node = node(segments[end - 1].node, segments[read].node);
+                    read += 1;
+                }
+                segments.copy_within(read..behind, end);
+                end += behind - read;
+                read = behind;
+            }
+            counts[place] = end - written;
+            written = end;
+        }
+        counts.truncate(nodes.div_ceil(2));
+        segments.truncate(written);
+    }
+    segments
 }

@@ -7,8 +7,8 @@
 //! A slot that several rays share gives several pixels at once.
 
 use crate::ConeSpec;
-use crate::golden::{Node, combine, leaf, pixel};
-use crate::lanes::{Segment, SlotLanes, circle_by, in_order, in_order_by, join_by, tree_of_ray};
+use crate::golden::{Node, Segment, circle_by, combine, leaf, pixel};
+use crate::lanes::{SlotLanes, in_order, in_order_by, join_by, tree_of_ray};
 use cube3_abc::{ShadedRay, ShadedSamples};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
 use cube3_frame::{DiscreteRay, FrameSetup, RayStretches};

@@ -1,7 +1,7 @@
 //! The folded tree: from any leaf of the circle, for one ray or for several, the golden bits.
 
-use cube3_cone::golden::{Node, reduce};
-use cube3_cone::lanes::{Segment, circle, join, tree_of_ray};
+use cube3_cone::golden::{Node, Segment, circle, reduce};
+use cube3_cone::lanes::{join, tree_of_ray};
 use cube3_frame::{ConeRegisters, DiscreteRay};
 use cube3_machine::ConeOrder;
 use cube3_scene::Mode;

@@ -2,8 +2,8 @@
 
 use cube3_abc::ShadedRay;
 use cube3_channel::Channel;
-use cube3_cone::golden::{Node, combine, front_to_back, reduce};
-use cube3_cone::lanes::{Segment, circle, in_order};
+use cube3_cone::golden::{Node, Segment, circle, combine, front_to_back, reduce};
+use cube3_cone::lanes::in_order;
 use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelCounts, PixelGroup};
 use cube3_frame::{ConeRegisters, DiscreteRay, FrameSetup, Geometry};
 use cube3_host::{VolumeInfo, frame_setup};

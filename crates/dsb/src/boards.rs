@@ -81,28 +81,6 @@ impl BoardSpec {
         lanes.div_ceil(self.lanes / self.boards).min(self.diameter())
     }
 
-    /// Words over each link (link b joins board b − 1 and board b), forwards and backwards, of words that move from lane to lane:
-    /// word by word and step by step, each the shorter way round. The definition, for any bus.
-    pub fn walk(&self, moves: impl IntoIterator<Item = [usize; 2]>) -> Vec<[u64; 2]> {
-        let mut links = vec![[0; 2]; self.boards];
-        if self.boards == 1 {
-            return links;
-        }
-        for [from, to] in moves {
-            let turn = (to + self.lanes - from) % self.lanes;
-            let backwards = 2 * turn > self.lanes;
-            let mut lane = from;
-            while lane != to {
-                let next = (lane + if backwards { self.lanes - 1 } else { 1 }) % self.lanes;
-                if self.board(lane) != self.board(next) {
-                    links[self.board(if backwards { lane } else { next })][usize::from(backwards)] += 1;
-                }
-                lane = next;
-            }
-        }
-        links
-    }
-
     /// The lanes from and to which the words of the beam of row `v` at a depth move, in a parallel view.
     pub fn moves(&self, geometry: &Geometry, v: usize, depth: usize) -> impl Iterator<Item = [usize; 2]> {
         let lanes = self.lanes;
@@ -173,7 +151,7 @@ impl BoardSpec {
         }
     }
 
-    /// The same as [`BoardSpec::walk`], from board to board.
+    /// The same as [`walk`](crate::golden::walk), from board to board.
     fn hopped(&self, moves: &[[usize; 2]], links: &mut [[u64; 2]]) {
         for &[from, to] in moves {
             let backwards = 2 * ((to + self.lanes - from) % self.lanes) > self.lanes;
@@ -224,7 +202,7 @@ impl BoardSpec {
 mod tests {
     use super::*;
     use crate::Rotator;
-    use crate::golden::rotation;
+    use crate::golden::{rotation, walk};
     use cube3_frame::{Axes, PassShape, largest_offset, slope_register};
     use cube3_machine::TemplateRule;
     use proptest::prelude::*;
@@ -278,7 +256,7 @@ mod tests {
             for slots in [0..all, some[0].min(some[1])..some[0].max(some[1])] {
                 let of_slots = |x: &usize| slots.contains(&slot(&geometry, *x, depth));
                 let moves = (0..size[0]).zip(spec.moves(&geometry, v, depth)).filter(|(x, _)| of_slots(x));
-                let walk = spec.walk(moves.map(|(_, lanes)| lanes));
+                let walk = walk(&spec, moves.map(|(_, lanes)| lanes));
                 spec.beam_words(&geometry, slots, [0, v, depth], &mut links);
                 prop_assert_eq!(&links, &walk);
             }
@@ -310,7 +288,7 @@ mod tests {
             let mut links = vec![[0; 2]; boards];
             // The row is that of the plane.
             spec.beam_words(&geometry, 0..0, [plane, 0, depth], &mut links);
-            prop_assert_eq!(links, spec.walk(spec.gathered(&geometry, plane, depth)));
+            prop_assert_eq!(links, walk(&spec, spec.gathered(&geometry, plane, depth)));
         }
 
         #[test]

@@ -1,5 +1,6 @@
 //! Where one voxel goes: on the bus, and in a skewed buffer. The definition.
 
+use crate::BoardSpec;
 use cube3_frame::Geometry;
 
 use cube3_machine::RaySlots;
@@ -60,4 +61,26 @@ pub fn turn(lanes: usize, row: usize, first_slot: usize, probe: &mut impl Probe)
 pub fn turned<T: Copy>(beam: &[T], rotation: usize) -> Vec<T> {
     let lanes = beam.len();
     (0..lanes).map(|lane| beam[(lane + lanes - rotation) % lanes]).collect()
+}
+
+/// Words over each link (link b joins board b − 1 and board b), forwards and backwards, of words that move from lane to lane:
+/// word by word and step by step, each the shorter way round. The definition, for any bus.
+pub fn walk(ring: &BoardSpec, moves: impl IntoIterator<Item = [usize; 2]>) -> Vec<[u64; 2]> {
+    let mut links = vec![[0; 2]; ring.boards];
+    if ring.boards == 1 {
+        return links;
+    }
+    for [from, to] in moves {
+        let turn = (to + ring.lanes - from) % ring.lanes;
+        let backwards = 2 * turn > ring.lanes;
+        let mut lane = from;
+        while lane != to {
+            let next = (lane + if backwards { ring.lanes - 1 } else { 1 }) % ring.lanes;
+            if ring.board(lane) != ring.board(next) {
+                links[ring.board(if backwards { lane } else { next })][usize::from(backwards)] += 1;
+            }
+            lane = next;
+        }
+    }
+    links
 }

@@ -3,8 +3,7 @@
 use super::modes::{MODE, legal};
 use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
-use cube3_cone::golden::{Node, tree};
-use cube3_cone::lanes::{Segment, circle};
+use cube3_cone::golden::{Node, Segment, circle, tree};
 use cube3_frame::{ConeRegisters, DiscreteRay};
 use cube3_machine::ConeOrder;
 use cube3_scene::Mode;
