@@ -1,6 +1,6 @@
 // Whether a sample is inside of a cut plane: the plane's linear function is 0 or more.
 //
-// Equals cube3_host::Linear::at, 0 or more, with the widest registers: u, v, k to 14 bits, steps to 40.
+// Equals cube3_frame::Linear::at, 0 or more, with the widest registers: u, v, k to 14 bits, steps to 40.
 //
 // Operators: 3 multipliers and 3 adders for a sample anywhere. A unit that scans in order needs one adder: it adds a step.
 module cube3_clip (

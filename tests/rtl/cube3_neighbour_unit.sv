@@ -1,7 +1,7 @@
 // Which neighbours of the samples of a ray lie in the volume along one axis, u or v: for each depth those at a displacement of -1, 0
 // or 1 ray and of -1, 0 or 1 slice. A neighbour is in the volume along u and along v, or it is the border.
 //
-// Equals crates/host/src/geometry.rs (`valid_columns`) for the rays beside that of the slot, which is another slot's at each depth.
+// Equals crates/frame/src/geometry.rs (`valid_columns`) for the rays beside that of the slot, which is another slot's at each depth.
 // columns and spans: see cube3_place_unit.sv. held_in: bit ((w + 1) * 3 + u + 1) * N + k.
 module cube3_neighbour_unit #(
     parameter integer N = 8,

@@ -1,7 +1,7 @@
 // Where the samples of a ray slot are along one axis, u or v: for each depth the column of the slot's ray, whether the ray is the
 // slot's first or, where slots are shared, its second, and whether the sample lies in the volume along this axis.
 //
-// Equals crates/host/src/geometry.rs (`ray_in`, `column_at`, `valid_columns`). columns: X(k) for k = 0 to N-1; spans: how many
+// Equals crates/frame/src/geometry.rs (`ray_in`, `column_at`, `valid_columns`). columns: X(k) for k = 0 to N-1; spans: how many
 // columns beyond its own sample k needs, 0 to 2, and 3 for a depth that has none.
 module cube3_place_unit #(
     parameter integer N = 8,
