@@ -7,10 +7,12 @@
 //! ```
 //! Pfister et al. 1995, section 4.
 
+mod datapath;
 pub mod ends;
 pub mod golden;
 pub mod lanes;
 mod perspective;
 mod unit;
 
-pub use unit::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, ShadedSamples, Shader, frame_reach, reach};
+pub use datapath::{ShadedSamples, Shader};
+pub use unit::{AbcSpec, AbcUnit, NoShading, Shade, ShadedRay, frame_reach, reach};

@@ -6,8 +6,10 @@
 //! ```
 //! Pfister et al. 1995, section 3.
 
+mod datapath;
 pub mod golden;
 pub mod lanes;
 mod unit;
 
-pub use unit::{Interpolate, Interpolator, NoSamples, RaySamples, SampleBlock, SampleRay, TrilinSpec, TrilinUnit};
+pub use datapath::{Interpolator, RaySamples, SampleBlock};
+pub use unit::{Interpolate, NoSamples, SampleRay, TrilinSpec, TrilinUnit};
