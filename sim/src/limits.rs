@@ -3,7 +3,7 @@
 use crate::machine::{Machine, RunCounters};
 use crate::problem::Outcome;
 use cube3_cfb::PortSpec;
-use cube3_channel::ClockDomain;
+use cube3_channel::{Account, ClockDomain};
 use cube3_dsb::LinkReading;
 use cube3_frame::FrameSetup;
 use cube3_machine::{
@@ -144,6 +144,25 @@ fn named_link(machine: &MachineSpec, counters: &RunCounters) -> Option<String> {
     Some(format!("link {}, {}, {:.0} % busy", link.link, link.direction(), 100.0 * busy))
 }
 
+/// Units that each take all rays of a frame: where one of them is as busy as any, the pipeline itself is what limits.
+const RAY_UNITS: [&str; 4] = ["dsb.read", "trilin", "abc", "cone"];
+
+/// The unit that is busier than those that take rays, where there is one, by its name in `limits`, with the part of the cycles in which it is
+/// busy: beams and words of a view can need more cycles than its rays, on a machine from which nothing can be taken to help that.
+fn busier_than_rays(counters: &RunCounters) -> Option<(&'static str, f64)> {
+    let busy = |(_, account): &(&'static str, Account)| account.busy;
+    let (name, most) = counters.units.iter().max_by_key(|unit| busy(unit)).map(|unit| (unit.0, busy(unit)))?;
+    let rays = counters.units.iter().filter(|(name, _)| RAY_UNITS.contains(name)).map(busy).max().unwrap_or(0);
+    // A fiftieth: filling and draining are not the same for all units.
+    let busier = most > rays + rays / 50;
+    let name = match name {
+        "cfb" => "beams",
+        "dsb.write" => "buffers",
+        other => other,
+    };
+    busier.then(|| (name, most as f64 / counters.cycles.max(1) as f64))
+}
+
 /// Finds the resource without which frames follow each other fastest, and what limits then; while volumes of `incoming` voxels
 /// along x, y, z come in, if any.
 ///
@@ -195,12 +214,25 @@ pub fn limits(machine: &MachineSpec, passes: &[FrameSetup], incoming: Option<[us
             let link = link.map_or_else(String::new, |link| format!(" ({link})"));
             format!("{critical}: {:.1} frames/s{link}; without it {faster:.1}, then the {next} {verb}", fps(interval))
         }
-        _ => format!(
-            "{critical}: {:.1} frames/s, with {} lanes at {} MHz; no other resource slows it",
-            fps(interval),
-            machine.lanes,
-            machine.clock_hz / 1e6
-        ),
+        _ => match busier_than_rays(&counters) {
+            Some((unit, busy)) => format!(
+                "{unit}: {:.1} frames/s, busy in {:.1} % of the cycles, with {} lanes at {} MHz; nothing that can be taken out of its way slows it",
+                fps(interval),
+                100.0 * busy,
+                machine.lanes,
+                machine.clock_hz / 1e6
+            ),
+            None => format!(
+                "{critical}: {:.1} frames/s, with {} lanes at {} MHz; no other resource slows it",
+                fps(interval),
+                machine.lanes,
+                machine.clock_hz / 1e6
+            ),
+        },
+    };
+    let critical = match fps_without {
+        Some(_) => critical,
+        None => busier_than_rays(&counters).map_or(critical, |(unit, _)| unit),
     };
     Ok(LimitsReport {
         critical: critical.into(),

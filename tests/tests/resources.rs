@@ -6,8 +6,8 @@ use cube3::resources::resources;
 use cube3_frame::FrameSetup;
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::{
-    Abc, Cfb, ControllerKind, GradientMethod, HostLink, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryType,
-    RayEnds, RaySlots, Rays, Reuse, Trilin,
+    Abc, Boards, Bus, Cfb, ControllerKind, GradientMethod, HostLink, LookAheadFreed, LookAheadUnit, MachineSpec,
+    MemoryType, RayEnds, RaySlots, Rays, Reuse, Trilin,
 };
 use cube3_report::{OperatorCounts, ResourcesReport};
 use cube3_scene::{Scene, View};
@@ -194,4 +194,65 @@ fn of_two_limits_the_slower_is_critical_and_the_other_limits_then() {
     let frames = [setup(&machine, 16)];
     let found = limits(&machine, &frames, None).unwrap();
     assert_eq!((found.critical.as_str(), found.next.as_deref()), ("memory", Some("host")), "{}", found.sentence);
+}
+
+/// Each interface by its tokens: what one holds, how many there were, and how many a cycle there can be.
+#[test]
+fn every_interface_carries_what_its_tokens_hold() {
+    let boards = Boards { count: 2, link_words_per_cycle: Some(8.0), ..Boards::default() };
+    let host_link = HostLink { bytes_per_cycle: Some(24.0) };
+    let bus = Bus { channels: Some(8), ..Bus::default() };
+    let machine = MachineSpec { lanes: 16, boards, host_link, bus, ..MachineSpec::default() };
+    let (report, counters) = count(&machine, 16);
+    let words = &machine.words;
+    let [voxel, sample] = [words.voxel_bits, words.sample_bits()].map(|bits| f64::from(bits) / 8.0);
+    let colour = f64::from(3 * words.colour_bits + words.opacity_bits) / 8.0;
+    let pixel = f64::from(4 * words.accumulator_bits.div_ceil(8));
+    // 16 planes of 16 slots, each of 16 samples; pixels are those of the padded base plane.
+    let [width, height] = setup(&machine, 16).geometry.base_plane_size();
+    let samples = 16.0_f64.powi(3);
+    let carried: f64 = counters.links.iter().map(|link| link.carried() as f64).sum();
+    assert!(carried > 0.0);
+    let expected = [
+        ("memory to bus", Some(16.0 * voxel), samples * voxel),
+        ("bus to buffers", Some(8.0 * voxel), samples * voxel),
+        ("buffers to interpolation", Some(2.0 * 16.0 * voxel), 2.0 * samples * voxel),
+        ("interpolation to shading", Some(16.0 * sample), samples * sample),
+        ("shading to cone", Some(16.0 * colour), samples * colour),
+        ("cone to host", Some(24.0), (width * height) as f64 * pixel),
+        ("links between boards", Some(2.0 * 2.0 * 8.0 * voxel), carried * voxel),
+    ];
+    let seconds = counters.cycles as f64 / machine.clock_hz;
+    let names: Vec<&str> = report.interfaces.iter().map(|row| row.name.as_str()).collect();
+    assert_eq!(names, expected.map(|(name, ..)| name));
+    for ((name, peak, bytes), row) in expected.into_iter().zip(&report.interfaces) {
+        let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
+        assert!(close(row.mean_bytes_per_s, bytes / seconds), "{name}: {} bytes/s", row.mean_bytes_per_s);
+        assert!(close(row.peak_bytes_per_s.unwrap(), peak.unwrap() * machine.clock_hz), "{name}");
+    }
+}
+
+/// Each group of data lines by what it carries in a cycle.
+#[test]
+fn every_group_of_lines_is_as_wide_as_what_it_carries() {
+    let boards = Boards { count: 4, link_words_per_cycle: Some(2.5), ..Boards::default() };
+    let host_link = HostLink { bytes_per_cycle: Some(3.5) };
+    let bus = Bus { channels: Some(10), ..Bus::default() };
+    let machine = MachineSpec { lanes: 16, boards, host_link, bus, ..MachineSpec::default() };
+    let voxel = u64::from(machine.words.voxel_bits);
+    let of = |machine: &MachineSpec| -> Vec<(String, u64)> {
+        count(machine, 16).0.lines.into_iter().map(|row| (row.what, row.lines)).collect()
+    };
+    let row = |what: &str, lines: u64| (what.to_owned(), lines);
+    // Links of 3 words in two directions, two at each board; a share of the bus rounded up.
+    let expected = [
+        row("bus lines", 10 * voxel),
+        row("link lines", 4 * 2 * 3 * voxel),
+        row("pins of a board", (10 * voxel).div_ceil(4) + 2 * 2 * 3 * voxel + 32),
+        row("host lines", 32),
+    ];
+    assert_eq!(of(&machine), expected);
+    let whole = MachineSpec { lanes: 16, ..MachineSpec::default() };
+    let pixel = 4 * 8 * u64::from(whole.words.accumulator_bits.div_ceil(8));
+    assert_eq!(of(&whole), [row("bus lines", 16 * voxel), row("host lines", pixel)]);
 }

@@ -160,7 +160,7 @@ impl PhongLanes {
     }
 }
 
-/// Light on a row of normals by Phong's formula, of a parallel frame: diffuse and specular, see [`golden::phong`].
+/// Light on a row of normals by Phong's formula, of a parallel frame: diffuse and specular, see [`crate::golden::phong`].
 pub fn phong_rows(direction: [Vec<i32>; 3], phong: &Phong, words: &Words) -> [[Vec<u32>; 3]; 2] {
     let lanes = PhongLanes::new(phong, words);
     let row = || vec![0; direction[0].len()];
