@@ -11,7 +11,7 @@ use cube3::words_study::{Options, Study, csv, front, json, page, plots, study};
 use cube3_host::picture_setup;
 use cube3_machine::MachineSpec;
 use cube3_metrics::{Picture, compare, footprint};
-use cube3_raycast::{DiscreteOptions, sheared};
+use cube3_twin::{DiscreteOptions, sheared};
 use cube3_scene::{Image, Mode, Scene, View, VolumeSource};
 use cube3_volume::{ReadOptions, Volume};
 use cube3_word::{Rounding, Words};

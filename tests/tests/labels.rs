@@ -5,7 +5,7 @@ use cube3::machine::Machine;
 use cube3_frame::{BasePlane, DiscreteRay, FrameSetup};
 use cube3_host::{VolumeInfo, picture_setup};
 use cube3_machine::MachineSpec;
-use cube3_raycast::{Interpolation, RaySamples};
+use cube3_twin::{Interpolation, RaySamples};
 use cube3_scene::{ColourPoint, Image, Material, Mode, Perspective, Scene, Transfer, View, VolumeSource};
 use cube3_tests::{SmallVolume, directions, for_perspective, from_eye, machines, perspectives, volumes};
 use cube3_trilin::golden::{Weights, cell, lift};

@@ -14,7 +14,7 @@ use cube3_frame::{DiscreteRay, FrameSetup};
 use cube3_host::{Basis, PictureFrames, VolumeInfo, picture_setup, step_length, warp_passes};
 use cube3_machine::{MachineSpec, RayEnds};
 use cube3_metrics::{Picture, compare, footprint, mean_angle_deg};
-use cube3_raycast::{Interpolation, RaySamples};
+use cube3_twin::{Interpolation, RaySamples};
 use cube3_scene::{Scene, corrected_opacity};
 use cube3_volume::{NonFiniteRule, VoxelWords, WordConversion, WordRounding};
 use cube3_word::Rounding;

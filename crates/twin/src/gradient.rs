@@ -1,9 +1,10 @@
 //! The ABC gradient estimators in reals: Pfister et al. 1995, section 4, and design, section 3.
 
-use crate::interpolate::lerp;
+use crate::Basis;
+use crate::step_length::smallest;
 use cube3_frame::Geometry;
-use cube3_host::Basis;
 use cube3_machine::GradientMethod;
+use cube3_reference::lerp;
 
 /// An estimator for one view.
 #[derive(Clone, Debug)]
@@ -13,17 +14,19 @@ pub(crate) struct Estimator {
     /// The frame that components are in.
     pub basis: Basis,
     /// Factors that make a component of differences a gradient, in values per smallest voxel spacing; but for the
-    /// raw differences of method 10, which are left in proportion to their lengths.
+    /// raw differences of method 10, which are left in proportion to their lengths: all are taken for the shortest.
     factors: [f64; 3],
 }
 
 impl Estimator {
     pub fn new(geometry: &Geometry, spacing: [f64; 3], method: GradientMethod) -> Self {
         let basis = Basis::new(geometry, spacing, method);
-        let (factors, length) = basis.scale(method);
-        let smallest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
-        let unit = 0.5 * smallest / length;
-        Estimator { method, slopes: geometry.real_slopes(), basis, factors: factors.map(|factor| factor * unit) }
+        let lengths = match method {
+            GradientMethod::Ten => [smallest(basis.lengths); 3],
+            _ => basis.lengths,
+        };
+        let factors = lengths.map(|length| 0.5 * smallest(spacing) / length);
+        Estimator { method, slopes: geometry.real_slopes(), basis, factors }
     }
 
     /// The gradient in the frame's components, from `sample(i, j, l)`, the sample by so many rays along u and v and so

@@ -1,5 +1,5 @@
 //! From the samples of a ray to its pixel: what is cut away, classification, shading, depth cueing and the
-//! six modes. The same for all casters, and the meaning of the machine's.
+//! six modes. The same for all casters: what the scene says, in reals.
 
 use cube3_scene::{
     DepthCue, Mode, ResolvedLight, Scene, Transfer, ViewFrame, corrected_opacity, depth_range, phong, turn_lights,
@@ -9,7 +9,7 @@ use cube3_volume::Volume;
 use glam::DVec3;
 
 /// What may be asked of a sample beside its value; asked only where the pixel depends on it.
-pub(crate) trait Probe {
+pub trait Probe {
     /// Its position in voxels, x, y, z.
     fn position(&self) -> [f64; 3];
     /// The gradient in values per smallest voxel spacing, in the frame that the lights are given in.
@@ -18,7 +18,7 @@ pub(crate) trait Probe {
 
 /// How one whole step of a ray counts.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct StepWeights {
+pub struct StepWeights {
     /// Its length in the smallest voxel spacing, for the correction of opacity.
     pub length: f64,
     /// What a sample that stands for it weighs in a weighted sum.
@@ -29,7 +29,7 @@ pub(crate) struct StepWeights {
 
 /// Adds samples to rays. Cheap to clone: one for each thread.
 #[derive(Clone)]
-pub(crate) struct Integrator<'a> {
+pub struct Integrator<'a> {
     scene: &'a Scene,
     lights: Vec<ResolvedLight>,
     weights: StepWeights,
@@ -53,7 +53,7 @@ struct LinearCue<'a> {
 
 /// A ray on its way.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ray {
+pub struct Ray {
     colour: [f64; 3],
     /// Sum of the opacities, each as it reaches the eye.
     alpha: f64,
@@ -66,9 +66,11 @@ pub(crate) struct Ray {
 }
 
 impl Ray {
+    /// At its front: nothing is seen yet.
     pub const START: Ray = Ray { colour: [0.0; 3], alpha: 0.0, transmittance: 1.0, chosen: None, done: false };
 
     /// Front to back.
+    #[inline]
     fn composite(&mut self, colour: [f64; 3], alpha: f64, stop_below: f64) {
         let weight = self.transmittance * alpha;
         for (sum, c) in self.colour.iter_mut().zip(colour) {
@@ -89,7 +91,7 @@ impl Ray {
 }
 
 impl<'a> Integrator<'a> {
-    /// `lights` in the frame of the gradients.
+    /// For the scene of a volume, seen in the frame `view`; `lights` are in the frame of the gradients.
     pub fn new(
         scene: &'a Scene,
         volume: &Volume,
@@ -157,6 +159,7 @@ impl<'a> Integrator<'a> {
     }
 
     /// Takes the sample if it is `better` than the best so far; the one in front stays at ties.
+    #[inline]
     fn choose(&self, ray: &mut Ray, index: usize, value: f64, better: impl Fn(f64) -> bool) {
         if ray.chosen.is_none_or(|(_, best)| better(best)) && !self.removed(value) {
             ray.chosen = Some((index, value));
@@ -194,11 +197,13 @@ impl<'a> Integrator<'a> {
         (transfer.opacity_at(value, magnitude), gradient)
     }
 
+    #[inline]
     fn removed(&self, value: f64) -> bool {
         self.scene.threshold.as_ref().is_some_and(|threshold| threshold.removes(value))
     }
 
     /// The opacity of the part of a step; without the correction a whole step has the opacity of a unit length.
+    #[inline]
     fn correct(&mut self, alpha: f64, part: f64) -> f64 {
         let step = if self.corrects { self.weights.length } else { 1.0 };
         if part != 1.0 {
@@ -237,6 +242,7 @@ impl<'a> LinearCue<'a> {
         LinearCue { cue, rate, first: -near * scale }
     }
 
+    #[inline]
     fn at(&self, position: [f64; 3]) -> f64 {
         let along: f64 = (0..3).map(|i| self.rate[i] * position[i]).sum();
         self.cue.factor_at(self.first + along)

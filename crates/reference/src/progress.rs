@@ -6,17 +6,20 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// all of them, but calls may overtake each other.
 pub type Progress<'a> = &'a (dyn Fn(u64) + Sync);
 
-/// Counts rows for a [`Progress`].
-pub(crate) struct RowCount<'a> {
+/// Counts rows for a [`Progress`], from any thread.
+pub struct RowCount<'a> {
     done: AtomicU64,
     report: Option<Progress<'a>>,
 }
 
 impl<'a> RowCount<'a> {
+    /// None done; without a `report` nothing is counted.
     pub fn new(report: Option<Progress<'a>>) -> Self {
         RowCount { done: AtomicU64::new(0), report }
     }
 
+    /// One more row is done.
+    #[inline]
     pub fn row_done(&self) {
         if let Some(report) = self.report {
             report(self.done.fetch_add(1, Ordering::Relaxed) + 1);

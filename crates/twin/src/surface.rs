@@ -1,11 +1,12 @@
 //! Gradients on a thresholded surface: the experiment of Pfister et al. 1995, section 6.2.
 
-use crate::check::{check_geometry, check_volume};
+use crate::check::check_geometry;
 use crate::gradient::Estimator;
 use crate::sample_plane::Sampler;
 use crate::voxels::Voxels;
 use crate::{DiscreteOptions, Interpolation, RaycastError};
 use cube3_frame::{DiscreteRay, Geometry};
+use cube3_reference::check_volume;
 use cube3_volume::{Volume, with_samples};
 use glam::DVec3;
 use rayon::prelude::*;

@@ -6,7 +6,6 @@ use crate::interpolate::cell;
 use crate::progress::RowCount;
 use crate::span::{Drawn, ON_FACE, margin};
 use crate::{Progress, RaycastError};
-use cube3_host::canonical;
 use cube3_scene::{ImagePlane, Scene, over, resolve_lights};
 use cube3_volume::{Sample, Volume, with_samples};
 use glam::DVec3;
@@ -93,7 +92,7 @@ pub fn image_order(
     }
     let view = scene.view.frame()?;
     let plane = ImagePlane::new(scene, &view, volume.dims, volume.spacing);
-    let axis = canonical(view.direction, volume.spacing).axes.axis[2];
+    let axis = nearest_axis(view.direction, volume.spacing);
     let margin = margin(scene);
     let depth = (volume.dims[axis] - 1) as f64 + 2.0 * margin;
     let drawn = Drawn::new(scene, volume.dims);
@@ -130,6 +129,13 @@ pub fn image_order(
         pixels.par_chunks_mut(width).enumerate().map(cast).sum()
     });
     Ok(Rendering { width, height, pixels, samples })
+}
+
+/// The axis nearest to the view: the one along which its direction, in voxels, is largest; z before y before x.
+fn nearest_axis(direction: DVec3, spacing: [f64; 3]) -> usize {
+    let steps = [0, 1, 2].map(|axis| (direction[axis] / spacing[axis]).abs());
+    let nearer = |best: usize, axis: usize| if steps[axis] > steps[best] { axis } else { best };
+    nearer(nearer(2, 1), 0)
 }
 
 /// A ray in voxels; its parameter counts the smallest voxel spacing.

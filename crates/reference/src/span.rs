@@ -6,7 +6,7 @@ use cube3_scene::Scene;
 const PARALLEL: f64 = 1e-12;
 
 /// How far outside of a face, in voxels, a line along it still counts as in it: what rounding moves it by.
-pub(crate) const ON_FACE: f64 = 1e-9;
+pub const ON_FACE: f64 = 1e-9;
 
 /// How far beyond the outermost voxel centres a volume reaches, in voxels.
 pub(crate) fn margin(scene: &Scene) -> f64 {
@@ -19,7 +19,7 @@ pub(crate) fn margin(scene: &Scene) -> f64 {
 /// It is convex, so a line has one stretch in it. But for labels every axis has two voxels at least (see
 /// [`Volume::thickened`](cube3_volume::Volume::thickened)).
 #[derive(Clone, Debug)]
-pub(crate) struct Drawn {
+pub struct Drawn {
     low: [f64; 3],
     high: [f64; 3],
     /// Normals, which point at what is removed, and a point on each plane, in voxels.

@@ -1,9 +1,9 @@
 //! The samples of one plane of rays, and three of them for gradients: the paper's ABC buffers.
 
-use crate::interpolate::lerp;
 use crate::steps::{Interpolation, Step, steps};
 use crate::voxels::Voxels;
 use cube3_frame::Geometry;
+use cube3_reference::lerp;
 use cube3_volume::Sample;
 use std::ops::Range;
 
@@ -80,7 +80,7 @@ impl<'a, S: Sample> Sampler<'a, S> {
         }
     }
 
-    /// Samples k of the rays (u, v) for u in `rays`, all valid: the lerps of [`cell`](crate::interpolate::cell), each
+    /// Samples k of the rays (u, v) for u in `rays`, all valid: the lerps of [`cell`](cube3_reference::cell), each
     /// done for all rays at once.
     fn row(&self, v: i64, k: usize, rays: Range<i64>, scratch: &mut Scratch, samples: &mut [f64]) {
         let step = &self.steps[k];

@@ -1,13 +1,12 @@
 //! What every caster asks of its input before the first ray.
 
 use crate::RaycastError;
-use cube3_frame::Geometry;
 use cube3_scene::Scene;
 use cube3_volume::Volume;
 use std::borrow::Cow;
 
 /// Volume and scene as they are drawn: an axis of one voxel is one thick ([`Volume::thickened`]). A voxel of labels is so already.
-pub(crate) fn thickened<'a>(volume: &'a Volume, scene: &'a Scene) -> (Cow<'a, Volume>, Cow<'a, Scene>) {
+pub fn thickened<'a>(volume: &'a Volume, scene: &'a Scene) -> (Cow<'a, Volume>, Cow<'a, Scene>) {
     if scene.volume.labels {
         return (Cow::Borrowed(volume), Cow::Borrowed(scene));
     }
@@ -18,8 +17,11 @@ pub(crate) fn thickened<'a>(volume: &'a Volume, scene: &'a Scene) -> (Cow<'a, Vo
 /// each side, doubled by the difference, and again for the shear.
 const RANGES_IN_A_GRADIENT: f64 = 16.0;
 
-/// The volume is a grid of finite values that can be subtracted from each other and from the border.
-pub(crate) fn check_volume(volume: &Volume, border: f64) -> Result<(), RaycastError> {
+/// The volume is a grid of finite values that can be subtracted from each other and from `border`, the data value beyond its voxels.
+///
+/// # Errors
+/// Parts that do not fit together, a spacing that is none, a value or a border that is not finite, values too far apart.
+pub fn check_volume(volume: &Volume, border: f64) -> Result<(), RaycastError> {
     let wrong = |reason, right| Err(RaycastError::Volume { reason, right });
     let [x, y, z] = volume.dims;
     let voxels = x.checked_mul(y).and_then(|xy| xy.checked_mul(z));
@@ -47,20 +49,6 @@ pub(crate) fn check_volume(volume: &Volume, border: f64) -> Result<(), RaycastEr
                 "scale them to below 10^300",
             );
         }
-    }
-    Ok(())
-}
-
-/// The geometry is this volume's.
-pub(crate) fn check_geometry(volume: &Volume, geometry: &Geometry) -> Result<(), RaycastError> {
-    let mut axes = geometry.axes.axis;
-    axes.sort_unstable();
-    let of_volume = if axes == [0, 1, 2] { geometry.axes.permute(volume.dims) } else { volume.dims };
-    let depth = geometry.size[2];
-    let templates = [&geometry.u, &geometry.v];
-    let whole = templates.iter().all(|t| t.columns.len() == depth + 1 && t.weights.len() == depth);
-    if axes != [0, 1, 2] || of_volume != geometry.size || !whole {
-        return Err(RaycastError::Geometry { made: geometry.size, volume: of_volume });
     }
     Ok(())
 }

@@ -1,13 +1,13 @@
 //! Samples and gradients of single rays, taken one by one: for tests, metrics and questions.
 
 use crate::RaycastError;
-use crate::check::{check_geometry, check_volume};
+use crate::check::check_geometry;
 use crate::gradient::Estimator;
-use crate::interpolate::cell;
 use crate::steps::{Interpolation, Step, steps};
 use crate::voxels::Voxels;
 use cube3_frame::{DiscreteRay, Geometry};
 use cube3_machine::GradientMethod;
+use cube3_reference::{cell, check_volume};
 use cube3_volume::{Volume, with_samples};
 use glam::DVec3;
 
@@ -53,7 +53,7 @@ impl<'a> RaySamples<'a> {
     }
 
     /// The gradient at sample `k` of a ray in the components of the method's
-    /// [`Basis`](cube3_host::Basis), in values per smallest voxel spacing (method 10: raw differences in
+    /// [`Basis`](crate::Basis), in values per smallest voxel spacing (method 10: raw differences in
     /// proportion).
     pub fn gradient(&self, ray: DiscreteRay, k: i64, method: GradientMethod) -> [f64; 3] {
         self.estimate(&Estimator::new(self.geometry, self.volume.spacing, method), ray, k)

@@ -4,17 +4,16 @@
 //! and the last for all that lies behind. So the samples of a ray stand for its length exactly. [`DiscreteOptions::whole_steps`] takes each
 //! for a whole step instead, as the published machine does.
 
-use crate::check::{check_geometry, check_volume, thickened};
+use crate::check::check_geometry;
 use crate::gradient::Estimator;
-use crate::integrate::{Integrator, Probe, Ray, StepWeights};
-use crate::progress::RowCount;
 use crate::sample_plane::{SampleWindow, Sampler};
-use crate::span::{Drawn, ON_FACE};
 use crate::voxels::Voxels;
-use crate::{BaseRendering, Interpolation, Progress, RaycastError};
+use crate::{BaseRendering, Interpolation, RaycastError, step_length};
 use cube3_frame::{DiscreteRay, Geometry};
-use cube3_host::step_length;
 use cube3_machine::GradientMethod;
+use cube3_reference::{
+    Drawn, Integrator, ON_FACE, Probe, Progress, Ray, RowCount, StepWeights, check_volume, thickened,
+};
 use cube3_scene::{Mode, ResolvedLight, Scene, resolve_lights};
 use cube3_volume::{Sample, Volume, with_samples};
 use glam::DVec3;

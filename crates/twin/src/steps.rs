@@ -1,7 +1,6 @@
 //! Where sample k of every ray lies: the one thing in which true and sheared interpolation differ.
 
 use cube3_frame::Geometry;
-
 use cube3_machine::TemplateRule;
 
 /// Which eight voxels a sample of a discrete ray is interpolated from.
