@@ -2,8 +2,8 @@
 
 mod common;
 
-use common::{affine, geometry, largest_difference, noise};
-use cube3_raycast::{DiscreteOptions, ImageOrderOptions, RaycastError, Rendering, image_order, sheared, true_3d};
+use common::{affine, largest_difference, noise};
+use cube3_reference::{ImageOrderOptions, Rendering, image_order};
 use cube3_scene::{
     Cut, DepthCue, Image, ImagePlane, Light, Material, Mode, Perspective, Scene, Transfer, View, corrected_opacity,
     unit_vector,
@@ -394,20 +394,5 @@ fn thin_and_full_opacity_are_the_eyes_too() {
     for step in [0.1, 0.2, 0.5, 7.0] {
         let got = render(&voxel, &thin, step).pixels[4][0];
         assert!((got - corrected_opacity(0.3, 0.5)).abs() < 1e-15, "{got} at steps of {step}");
-    }
-}
-
-#[test]
-fn the_casters_on_the_base_plane_say_that_they_are_parallel() {
-    let volume = noise([6; 3], [1.0; 3], 9);
-    let seen = scene(ahead(), Perspective::new(40.0), [8, 8]);
-    let geometry = geometry(&volume, &seen);
-    let options = DiscreteOptions::default();
-    for refused in [
-        sheared(&volume, &seen, &geometry, &options, None).unwrap_err(),
-        true_3d(&volume, &seen, &geometry, &options, None).unwrap_err(),
-    ] {
-        assert!(matches!(refused, RaycastError::Perspective), "{refused}");
-        assert!(refused.to_string().starts_with("view.perspective: "));
     }
 }

@@ -17,8 +17,9 @@ use common::{mean_relative_percent, one_voxel_a_pixel};
 use cube3_frame::{Geometry, largest_offset, slope_register};
 use cube3_host::canonical;
 use cube3_machine::{RaySlots, TemplateRule};
-use cube3_raycast::{DiscreteOptions, ImageOrderOptions, image_order, sheared, true_3d};
+use cube3_reference::{ImageOrderOptions, image_order};
 use cube3_scene::{ImagePlane, Scene, View};
+use cube3_twin::{DiscreteOptions, sheared, true_3d};
 use cube3_volume::{ReadOptions, Volume, read};
 use std::path::Path;
 
@@ -71,7 +72,7 @@ fn errors(volume: &Volume, yaw_deg: f64) -> [f64; 3] {
 
 /// The table of figure 14: 0 to 90° by 5°. Each angle takes seconds.
 #[test]
-#[ignore = "a minute; the table of docs/src/validation.md: cargo test --release -p cube3-raycast --test ct_head -- --ignored --nocapture"]
+#[ignore = "a minute; the table of docs/src/validation.md: cargo test --release -p cube3-twin --test ct_head -- --ignored --nocapture"]
 fn the_ct_head_over_the_papers_whole_range() {
     let Some(volume) = head() else { return };
     let table: Vec<[f64; 3]> = (0..=18).map(|step| errors(&volume, 5.0 * f64::from(step))).collect();

@@ -3,23 +3,14 @@
 
 mod common;
 
-use common::{geometry, geometry_along, noise, one_voxel_a_pixel, scene_along};
+use common::{VIEWS, assert_sane, geometry, geometry_along, noise, one_voxel_a_pixel, scene_along};
 use cube3_frame::DiscreteRay;
 use cube3_machine::{GradientMethod, TemplateRule};
-use cube3_raycast::{
-    DiscreteOptions, ImageOrderOptions, Interpolation, RaycastError, discrete, image_order, sheared, surface_gradients,
-    true_3d,
-};
-use cube3_scene::{Mode, Scene, Transfer, View};
+use cube3_reference::{ImageOrderOptions, RaycastError as Refused, image_order};
+use cube3_scene::{Mode, Perspective, Scene, Transfer, View};
+use cube3_twin::{DiscreteOptions, Interpolation, RaycastError, discrete, sheared, surface_gradients, true_3d};
 use cube3_volume::{Samples, Volume};
 use glam::DVec3;
-
-const VIEWS: [[f64; 3]; 5] =
-    [[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [0.4, 0.3, 1.0], [1.0, 1.0, 1.0], [-1.0, 1.0_f64.next_down(), 0.0]];
-
-fn assert_sane(pixels: impl IntoIterator<Item = f64>) {
-    assert!(pixels.into_iter().all(|c| (0.0..=1.0 + 1e-12).contains(&c)));
-}
 
 #[test]
 fn the_smallest_volumes_are_rendered() {
@@ -41,8 +32,6 @@ fn the_smallest_volumes_are_rendered() {
                         }
                     }
                 }
-                let picture = image_order(&volume, &scene, &ImageOrderOptions::default(), None).unwrap();
-                assert_sane(picture.pixels.iter().copied().flatten());
             }
         }
     }
@@ -50,25 +39,9 @@ fn the_smallest_volumes_are_rendered() {
     let volume = Volume::from_fn([1; 3], [1.0; 3], |_, _, _| 200_u8).unwrap();
     let ahead = View::from_angles(0.0, 0.0);
     let scene = Scene { view: ahead, image: one_voxel_a_pixel(3, 3), ..Scene::default() };
-    let picture = image_order(&volume, &scene, &ImageOrderOptions::default(), None).unwrap();
-    assert_eq!(picture.samples, 2);
-    assert!(picture.pixels[4][0] > 0.0 && picture.pixels[3] == [0.0; 3]);
     let geometry = geometry_along(&volume, DVec3::Y, TemplateRule::SampleFloor, 0.0);
     let base = sheared(&volume, &scene, &geometry, &DiscreteOptions::default(), None).unwrap();
     assert_eq!((base.width, base.height, base.samples, base.pixels[0][3]), (2, 2, 8, 0.75));
-}
-
-#[test]
-fn a_line_of_voxels_is_seen_along_it_and_across() {
-    let volume = Volume::from_fn([1, 1, 9], [1.0; 3], |_, _, z| 20 * z as u8).unwrap();
-    let seen = |direction: [f64; 3]| {
-        let scene = Scene { image: one_voxel_a_pixel(11, 11), mode: Mode::Maximum, ..scene_along(direction) };
-        let picture = image_order(&volume, &scene, &ImageOrderOptions::default(), None).unwrap();
-        (picture.samples, picture.pixels.iter().filter(|pixel| pixel[0] > 0.0).count())
-    };
-    assert_eq!(seen([0.0, 0.0, 1.0]), (9, 1));
-    // Voxels of 100 and more are seen, 80 is clear: four of them. Each is one thick.
-    assert_eq!(seen([0.0, 1.0, 0.0]), (18, 4));
 }
 
 #[test]
@@ -81,18 +54,10 @@ fn nothing_is_nothing_and_full_is_full() {
             let geometry = geometry(&volume, &clear);
             let base = true_3d(&volume, &clear, &geometry, &DiscreteOptions::default(), None).unwrap();
             assert!(base.pixels.iter().all(|pixel| *pixel == [0.0; 4]), "{mode}");
-            let picture = image_order(&volume, &clear, &ImageOrderOptions::default(), None).unwrap();
-            assert!(picture.pixels.iter().all(|pixel| *pixel == clear.background), "{mode}");
         }
-        // Opacity 1 at the first sample: one sample a ray, and exactly the first one's colour at any step.
+        // Opacity 1 at the first sample: exactly the first one's colour.
         let full = Scene { transfer: opacity(1.0), ..scene_along(direction) };
         let first = Scene { mode: Mode::FirstOpaque, ..full.clone() };
-        for step_voxel in [1e-3, 0.3, 1.0, 7.0] {
-            let options = ImageOrderOptions { step_voxel, ..ImageOrderOptions::default() };
-            let [full, first] = [&full, &first].map(|scene| image_order(&volume, scene, &options, None).unwrap());
-            assert_eq!(full.pixels, first.pixels);
-            assert!(full.samples <= (full.width * full.height) as u64, "the ray stops at once");
-        }
         let geometry = geometry(&volume, &full);
         let [base_width, _] = geometry.base_plane_size();
         let options = DiscreteOptions::default();
@@ -127,14 +92,7 @@ fn spacings_of_one_to_a_thousand_are_rendered() {
     for spacing in [[1.0, 1.0, 1000.0], [1000.0, 1.0, 1000.0], [1e-3, 1.0, 0.03], [1e-9, 1e-6, 1e-9]] {
         let volume = noise([6; 3], spacing, 4);
         for direction in VIEWS {
-            let mut scene = scene_along(direction);
-            // An odd number of pixels has one in the middle, whose ray meets the thinnest volume.
-            scene.image.width_px = 25;
-            scene.image.height_px = 25;
-            let options = ImageOrderOptions { step_voxel: 2.0, ..ImageOrderOptions::default() };
-            let picture = image_order(&volume, &scene, &options, None).unwrap();
-            assert_sane(picture.pixels.iter().copied().flatten());
-            assert!(picture.samples > 0);
+            let scene = scene_along(direction);
             let geometry = geometry(&volume, &scene);
             for interpolation in [Interpolation::Exact, Interpolation::Sheared] {
                 for (gradient, name) in GradientMethod::ALL {
@@ -162,8 +120,6 @@ fn values_at_the_limits_of_their_type_are_rendered() {
         let volume = volume.unwrap();
         for transfer in [Transfer::default(), Transfer { opacity: vec![[0.0, 0.5]], ..Transfer::default() }] {
             let scene = Scene { transfer, ..scene.clone() };
-            let picture = image_order(&volume, &scene, &ImageOrderOptions::default(), None).unwrap();
-            assert_sane(picture.pixels.into_iter().flatten());
             let geometry = geometry(&volume, &scene);
             let base = sheared(&volume, &scene, &geometry, &DiscreteOptions::default(), None).unwrap();
             assert_sane(base.pixels.into_iter().flatten());
@@ -171,86 +127,62 @@ fn values_at_the_limits_of_their_type_are_rendered() {
     }
 }
 
-/// The messages of every caster on the same input, which must be one.
-fn refusal(volume: &Volume, scene: &Scene, border: f64) -> String {
-    let geometry = geometry_along(volume, DVec3::Y, TemplateRule::SampleFloor, 0.5);
-    let options = DiscreteOptions { border, ..DiscreteOptions::default() };
-    let by_image =
-        image_order(volume, scene, &ImageOrderOptions { border, ..Default::default() }, None).unwrap_err().to_string();
-    let on_base = sheared(volume, scene, &geometry, &options, None).unwrap_err().to_string();
-    assert_eq!(by_image, on_base);
-    by_image
-}
-
 #[test]
 fn what_is_not_a_number_is_refused_with_its_place() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let volume =
             Volume::from_fn([4; 3], [1.0; 3], |x, y, z| if [x, y, z] == [1, 2, 3] { bad } else { 0.0 }).unwrap();
-        let message = refusal(&volume, &Scene::default(), 0.0);
-        assert!(message.starts_with("volume: voxel (1, 2, 3) is"), "{message}");
         let geometry = geometry_along(&volume, DVec3::Y, TemplateRule::SampleFloor, 0.5);
         let surface = surface_gradients(&volume, &geometry, Interpolation::Exact, 0.5, &DiscreteOptions::default());
-        assert!(matches!(surface, Err(RaycastError::NonFinite(at)) if at.position == [1, 2, 3]));
+        assert!(matches!(surface, Err(RaycastError::Input(Refused::NonFinite(at))) if at.position == [1, 2, 3]));
     }
+}
+
+#[test]
+fn what_the_reference_refuses_is_refused_in_the_same_words() {
     let volume = noise([4; 3], [1.0; 3], 1);
-    let message = refusal(&volume, &Scene::default(), f64::NAN);
-    assert!(message.starts_with("border: NaN is not a value"), "{message}");
+    let scene = Scene::default();
+    let mut short = volume.clone();
+    short.samples = Samples::U8(vec![0; 7]);
     let wide = Volume::from_fn([4; 3], [1.0; 3], |x, _, _| if x == 0 { f64::MAX } else { f64::MIN }).unwrap();
-    let message = refusal(&wide, &Scene::default(), 0.0);
-    assert!(message.contains("too far apart"), "{message}");
+    let hole = Volume::from_fn([4; 3], [1.0; 3], |x, _, _| if x == 1 { f64::NAN } else { 0.0 }).unwrap();
     let tilted = Scene { view: View::from_angles(f64::NAN, 0.0), ..Scene::default() };
-    assert!(refusal(&volume, &tilted, 0.0).contains("view.yaw_deg"));
+    let geometry = geometry_along(&volume, DVec3::Y, TemplateRule::SampleFloor, 0.5);
+    for (volume, scene, border) in [
+        (&short, &scene, 0.0),
+        (&wide, &scene, 0.0),
+        (&hole, &scene, 0.0),
+        (&volume, &tilted, 0.0),
+        (&volume, &scene, f64::NAN),
+    ] {
+        let by_image = image_order(volume, scene, &ImageOrderOptions { border, ..Default::default() }, None);
+        let options = DiscreteOptions { border, ..DiscreteOptions::default() };
+        let on_base = sheared(volume, scene, &geometry, &options, None);
+        assert_eq!(on_base.unwrap_err().to_string(), by_image.unwrap_err().to_string());
+    }
 }
 
 #[test]
 fn parts_that_do_not_fit_are_refused() {
     let volume = noise([4, 5, 6], [1.0; 3], 1);
-    for step_voxel in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-12] {
-        let options = ImageOrderOptions { step_voxel, ..ImageOrderOptions::default() };
-        let message = image_order(&volume, &Scene::default(), &options, None).unwrap_err().to_string();
-        assert!(message.starts_with("step_voxel: "), "{message}");
-    }
     let other = noise([4, 5, 7], [1.0; 3], 1);
     let geometry = geometry_along(&other, DVec3::Y, TemplateRule::SampleFloor, 0.5);
     let error = sheared(&volume, &Scene::default(), &geometry, &DiscreteOptions::default(), None).unwrap_err();
     assert!(matches!(error, RaycastError::Geometry { .. }), "{error}");
-    let mut short = volume.clone();
-    short.samples = Samples::U8(vec![0; 7]);
-    assert!(refusal(&short, &Scene::default(), 0.0).contains("7 samples for 4×5×6 voxels"));
-    let mut flat = volume;
-    flat.spacing[1] = 0.0;
-    let message = image_order(&flat, &Scene::default(), &ImageOrderOptions::default(), None).unwrap_err().to_string();
-    assert!(message.contains("voxel spacing"), "{message}");
 }
 
 #[test]
-fn a_view_along_an_axis_takes_every_voxel_once_whatever_rounding_does_at_the_faces() {
-    for spacing in [1.0, 0.1, 0.3, 0.7, 1.0 / 3.0] {
-        for n in [2, 3, 8, 11, 12] {
-            let volume = noise([n; 3], [spacing; 3], 2);
-            for direction in [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]] {
-                let image = one_voxel_a_pixel(n as u32, n as u32);
-                let scene = Scene { image, mode: Mode::Maximum, ..scene_along(direction) };
-                for parts in [1, 3, 10] {
-                    let options = ImageOrderOptions { step_voxel: 1.0 / parts as f64, ..ImageOrderOptions::default() };
-                    let picture = image_order(&volume, &scene, &options, None).unwrap();
-                    let samples = n * n * ((n - 1) * parts + 1);
-                    assert_eq!(picture.samples, samples as u64, "{n}³ voxels of {spacing}, {parts} steps each");
-                }
-            }
-        }
-    }
-    // Spacings whose ratios are whole but for rounding: the last sample is on the far face all the same.
-    for n in 2..40 {
-        for (spacing, ratio) in [([0.1, 0.3, 0.7], 3), ([0.1, 0.7, 0.3], 7), ([1.1, 3.3, 1.1], 3)] {
-            let volume = noise([3, n, 3], spacing, 2);
-            let scene = Scene { image: one_voxel_a_pixel(1, 1), mode: Mode::Maximum, ..scene_along([0.0, 1.0, 0.0]) };
-            for parts in [1, 3, 10] {
-                let options = ImageOrderOptions { step_voxel: 1.0 / parts as f64, ..ImageOrderOptions::default() };
-                let picture = image_order(&volume, &scene, &options, None).unwrap();
-                assert_eq!(picture.samples, ((n - 1) * ratio * parts + 1) as u64, "{n} voxels of {spacing:?}");
-            }
-        }
+fn the_casters_on_the_base_plane_say_that_they_are_parallel() {
+    let volume = noise([6; 3], [1.0; 3], 9);
+    let mut seen = scene_along([0.0, 1.0, 0.0]);
+    seen.view.perspective = Some(Perspective::new(40.0));
+    let geometry = geometry(&volume, &seen);
+    let options = DiscreteOptions::default();
+    for refused in [
+        sheared(&volume, &seen, &geometry, &options, None).unwrap_err(),
+        true_3d(&volume, &seen, &geometry, &options, None).unwrap_err(),
+    ] {
+        assert!(matches!(refused, RaycastError::Perspective), "{refused}");
+        assert!(refused.to_string().starts_with("view.perspective: "));
     }
 }

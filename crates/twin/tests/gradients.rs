@@ -7,8 +7,8 @@ use common::{affine, geometry_along, noise};
 use cube3_frame::{DiscreteRay, Geometry};
 use cube3_host::Basis;
 use cube3_machine::{GradientMethod, TemplateRule};
-use cube3_raycast::{DiscreteOptions, Interpolation, RaySamples, surface_gradients};
 use cube3_scene::View;
+use cube3_twin::{DiscreteOptions, Interpolation, RaySamples, surface_gradients};
 use cube3_volume::{Phantom, PhantomParams, Volume};
 use glam::DVec3;
 

@@ -6,8 +6,8 @@ mod common;
 use common::{affine, geometry_along, hash, mean_relative_percent, noise, scene_along};
 use cube3_frame::{DiscreteRay, Geometry};
 use cube3_machine::TemplateRule;
-use cube3_raycast::{DiscreteOptions, Interpolation, RaySamples, sheared, true_3d};
 use cube3_scene::{Mode, Scene, View};
+use cube3_twin::{DiscreteOptions, Interpolation, RaySamples, sheared, true_3d};
 use cube3_volume::Volume;
 use glam::DVec3;
 

@@ -1,60 +1,59 @@
-//! Lengths from geometry: what the samples of a ray stand for adds up to the ray's length in the box of voxel centres, inside of the crop
-//! box and the cut planes, at every step, in all casters.
+//! Lengths from geometry: what the samples of a discrete ray stand for adds up to the ray's length in the box of voxel centres, inside of
+//! the crop box and the cut planes.
 
 mod common;
 
-use common::{geometry_along, largest_difference, one_voxel_a_pixel, stretch};
+use common::{constant, fog, geometry_along, stretch};
 use cube3_frame::DiscreteRay;
 use cube3_host::step_length;
 use cube3_machine::TemplateRule;
-use cube3_raycast::{DiscreteOptions, ImageOrderOptions, Interpolation, discrete, image_order};
-use cube3_scene::{Crop, Cut, ImagePlane, Material, Mode, Perspective, Scene, Transfer, View};
-use cube3_volume::Volume;
+use cube3_scene::{Crop, Cut, Mode, Scene, View};
+use cube3_twin::{DiscreteOptions, Interpolation, discrete, sheared, true_3d};
 use glam::DVec3;
 use proptest::prelude::*;
 
-/// Fog of so much opacity a voxel, not lit.
-fn fog(opacity: f64) -> Scene {
-    Scene {
-        transfer: Transfer { opacity: vec![[0.0, opacity]], ..Transfer::default() },
-        material: Material { shaded: false, ..Material::default() },
-        view: View::from_angles(0.0, 0.0),
-        image: one_voxel_a_pixel(1, 1),
-        ..Scene::default()
+#[test]
+fn a_homogeneous_slab_has_its_closed_form_at_every_angle() {
+    for alpha in [1e-12, 0.01, 0.3, 0.999] {
+        let (volume, scene) = (constant([9, 33, 9]), fog(alpha));
+        let density = -(-alpha).ln_1p();
+        for yaw_deg in [0.0, 20.0, 45.0, 60.0] {
+            let scene = Scene { view: View::from_angles(yaw_deg, 5.0), ..scene.clone() };
+            let direction = scene.view.frame().unwrap().direction;
+            let geometry = geometry_along(&volume, direction, TemplateRule::SampleFloor, 0.5);
+            let base = sheared(&volume, &scene, &geometry, &DiscreteOptions::default(), None).unwrap();
+            for row in 0..base.height {
+                for column in 0..base.width {
+                    let ray = DiscreteRay {
+                        u: column as i64 - geometry.shear_u() as i64,
+                        v: row as i64 - geometry.shear_v() as i64,
+                    };
+                    let place = |w: f64| {
+                        let [du, dv] = geometry.real_slopes();
+                        let at = [ray.u as f64 + w * du, ray.v as f64 + w * dv, w];
+                        DVec3::from(geometry.axes.voxel_position(geometry.size, at))
+                    };
+                    let planes = [0.0, (geometry.size[2] - 1) as f64];
+                    let drawn = stretch(&scene, volume.dims, place(0.0), place(1.0) - place(0.0), planes);
+                    // A ray that cuts off a corner between two planes has no sample there.
+                    let samples = (0..geometry.size[2] as i64).filter(|&k| geometry.has_sample(ray, k)).count();
+                    let steps = drawn.filter(|_| samples > 0).map_or(0.0, |[enter, leave]| leave - enter);
+                    let expected = -(-density * steps * step_length(&geometry, volume.spacing)).exp_m1();
+                    let got = base.pixel(column as i64, row as i64)[3];
+                    assert!((got - expected).abs() <= 1e-9 * density, "{got}, not {expected} at yaw {yaw_deg}");
+                }
+            }
+        }
     }
-}
-
-fn constant(dims: [usize; 3]) -> Volume {
-    Volume::from_fn(dims, [1.0; 3], |_, _, _| 100_u8).unwrap()
-}
-
-fn middle(volume: &Volume, scene: &Scene, step_voxel: f64) -> f64 {
-    let options = ImageOrderOptions { step_voxel, ..ImageOrderOptions::default() };
-    image_order(volume, scene, &options, None).unwrap().pixels[0][0]
 }
 
 #[test]
-fn fog_is_as_thick_as_its_box() {
-    for step in [0.25, 0.4, 1.0, 3.7, 15.0, 100.0] {
-        let got = 255.0 * middle(&constant([16; 3]), &fog(0.05), step);
-        assert!((got - 255.0 * (1.0 - 0.95_f64.powi(15))).abs() < 1e-10, "{got} at steps of {step}");
-    }
-}
-
-#[test]
-fn a_ramp_is_integrated_with_an_error_of_the_second_order() {
-    let volume = Volume::from_fn([3, 65, 3], [1.0; 3], |_, y, _| y as u8).unwrap();
-    let mut scene = fog(0.0);
-    scene.transfer.opacity = vec![[0.0, 0.0], [64.0, 0.1]];
-    // 1 − exp ∫ ln(1 − v/640) dv from 0 to 64, whose integral is −640·((1 − x)·ln(1 − x) − (1 − x)) at x = v/640.
-    let integral = |x: f64| -640.0 * ((1.0 - x) * (1.0 - x).ln() - (1.0 - x));
-    let right = -(integral(0.1) - integral(0.0)).exp_m1();
-    assert!((right - 0.963_569).abs() < 5e-7);
-    let errors = [2.0, 1.0, 0.5, 0.25].map(|step| (middle(&volume, &scene, step) - right).abs());
-    assert!((4e-7..6e-7).contains(&errors[1]), "{errors:e}", errors = errors[1]);
-    for pair in errors.windows(2) {
-        assert!((3.9..4.1).contains(&(pair[0] / pair[1])), "{errors:?}");
-    }
+fn without_correction_every_step_has_the_opacity_of_a_unit_length() {
+    let (volume, mut scene) = (constant([3, 9, 3]), fog(0.25));
+    scene.transfer.opacity_correction = false;
+    let geometry = geometry_along(&volume, DVec3::Y, TemplateRule::SampleFloor, 0.5);
+    let base = true_3d(&volume, &scene, &geometry, &DiscreteOptions::default(), None).unwrap();
+    assert!((base.pixel(1, 1)[3] - (1.0 - 0.75_f64.powi(8))).abs() < 1e-14);
 }
 
 #[test]
@@ -68,10 +67,6 @@ fn an_axis_of_one_voxel_is_one_thick_from_every_side() {
             let along = turned(slope);
             let scene = Scene { view: View::from_direction(along.to_array(), None), ..fog(0.5) };
             let expected = 1.0 - 0.5_f64.powf(along.length());
-            for step in [0.3, 1.0, 4.0] {
-                let got = middle(&volume, &scene, step);
-                assert!((got - expected).abs() < 1e-12, "{got}, not {expected} through {dims:?} along {along}");
-            }
             for offset in [0.0, 0.5] {
                 let geometry = geometry_along(&volume, along, TemplateRule::PlaneFloor, offset);
                 let base =
@@ -84,43 +79,15 @@ fn an_axis_of_one_voxel_is_one_thick_from_every_side() {
 }
 
 #[test]
-fn a_crop_box_is_as_thick_as_it_is_at_every_angle() {
-    let volume = constant([33; 3]);
-    for yaw in [0.0, 44.0, 44.7, 44.8, 44.9, 45.0, 45.1, 46.0] {
-        let crop = Crop { min_voxel: [0.0, 16.0, 0.0], max_voxel: [32.0, 18.0, 32.0] };
-        let scene = Scene { view: View::from_angles(yaw, 0.0), crop: Some(crop), ..fog(0.1) };
-        let expected = 1.0 - 0.9_f64.powf(2.0 / yaw.to_radians().cos());
-        let got = middle(&volume, &scene, 1.0);
-        assert!((got - expected).abs() < 1e-12, "{got}, not {expected} at {yaw}°");
-    }
-}
-
-#[test]
 fn the_mean_over_all_planes_is_what_is_in_them() {
     for (n, offset) in [(2, 0.0), (5, 0.5), (9, 0.25), (33, 0.9)] {
         let volume = constant([9, n, 9]);
         let scene = Scene { mode: Mode::WeightedSum, ..fog(1.0) };
-        for step in [0.3, 1.0, 2.0] {
-            assert!((middle(&volume, &scene, step) - 1.0).abs() < 1e-12);
-        }
         let geometry = geometry_along(&volume, DVec3::Y, TemplateRule::PlaneFloor, offset);
         let base =
             discrete(&volume, &scene, &geometry, Interpolation::Exact, &DiscreteOptions::default(), None).unwrap();
         assert!((base.pixel(4, 4)[0] - 1.0).abs() < 1e-12, "{n} planes at offset {offset}");
     }
-}
-
-#[test]
-fn some_of_the_pixels_are_those_of_the_whole_picture() {
-    let volume = Volume::from_fn([9, 8, 7], [1.0; 3], |x, y, z| (common::hash(3, [x, y, z]) * 255.0) as u8).unwrap();
-    let image = one_voxel_a_pixel(14, 11);
-    let scene = Scene { view: View::from_angles(30.0, 20.0), image, ..Scene::default() };
-    let whole = image_order(&volume, &scene, &ImageOrderOptions::default(), None).unwrap();
-    let some = image_order(&volume, &scene, &ImageOrderOptions { every: 4, ..Default::default() }, None).unwrap();
-    assert_eq!((some.width, some.height), (4, 3));
-    let expected: Vec<_> = (0..3).flat_map(|row| (0..4).map(move |column| row * 4 * 14 + column * 4)).collect();
-    assert!(expected.iter().zip(&some.pixels).all(|(&at, pixel)| whole.pixels[at] == *pixel));
-    assert!(some.pixels.iter().any(|pixel| *pixel != scene.background));
 }
 
 proptest! {
@@ -130,53 +97,35 @@ proptest! {
         dims in prop::array::uniform3(1_usize..9), direction in prop::array::uniform3(-1.0..1.0_f64),
         low in prop::array::uniform3(-1.0..3.0_f64), size in prop::array::uniform3(0.0..7.0_f64),
         normal in prop::array::uniform3(-1.0..1.0_f64), through in prop::array::uniform3(0.0..6.0_f64),
-        eye: bool, step in 0.1..3.0_f64, offset in prop::sample::select(vec![0.0, 0.3, 0.5]),
+        offset in prop::sample::select(vec![0.0, 0.3, 0.5]),
     ) {
         prop_assume!(DVec3::from(direction).length() > 0.1 && DVec3::from(normal).length() > 0.1);
         let volume = constant(dims);
         let mut scene = fog(0.3);
         scene.view = View::from_direction(direction, None);
-        scene.image = one_voxel_a_pixel(7, 7);
         scene.crop = Some(Crop { min_voxel: low, max_voxel: [0, 1, 2].map(|i| low[i] + size[i]) });
         scene.cuts = vec![Cut { normal, through_voxel: through }];
-        if eye {
-            scene.view.perspective = Some(Perspective { eye_voxel: Some([2.0, 1.0, 3.0]), ..Perspective::new(80.0) });
-            scene.image.pixel_size_voxel = None;
-        }
         let density = -(0.7_f64).ln();
         let opacity = |length: f64| -(-density * length).exp_m1();
-        let options = ImageOrderOptions { step_voxel: step, ..ImageOrderOptions::default() };
-        let got = image_order(&volume, &scene, &options, None).unwrap();
         let thick = scene.thickened(dims.map(|n| n == 1));
         let drawn = volume.thickened();
         let view = thick.view.frame().unwrap();
-        let plane = ImagePlane::new(&thick, &view, drawn.dims, drawn.spacing);
-        let expected: Vec<[f64; 1]> = (0..49).map(|pixel| {
-            let (origin, along) = plane.ray(f64::from(pixel % 7), f64::from(pixel / 7));
-            let range = if eye { [0.0, 40.0] } else { [-40.0, 40.0] };
-            let span = stretch(&thick, drawn.dims, origin, along.normalize(), range);
-            [opacity(span.map_or(0.0, |[enter, leave]| leave - enter))]
-        }).collect();
-        let got: Vec<[f64; 1]> = got.pixels.iter().map(|pixel| [pixel[0]]).collect();
-        prop_assert!(largest_difference(&got, &expected) < 1e-7, "{got:?}, not {expected:?}");
-        if !eye {
-            let geometry = geometry_along(&volume, view.direction, TemplateRule::PlaneFloor, offset);
-            let base = discrete(&volume, &scene, &geometry, Interpolation::Exact, &DiscreteOptions::default(), None).unwrap();
-            for (i, pixel) in base.pixels.iter().enumerate() {
-                let first = geometry.first_ray();
-                let ray = DiscreteRay { u: first.u + (i % base.width) as i64, v: first.v + (i / base.width) as i64 };
-                let [du, dv] = geometry.real_slopes();
-                let place = |w: f64| {
-                    let at = [ray.u as f64 + w * du, ray.v as f64 + w * dv, w];
-                    DVec3::from(geometry.axes.voxel_position(geometry.size, at))
-                };
-                let planes = [0.0, (geometry.size[2] - 1) as f64];
-                let span = stretch(&thick, drawn.dims, place(0.0), place(1.0) - place(0.0), planes);
-                let length = span.map_or(0.0, |[enter, leave]| leave - enter) * step_length(&geometry, drawn.spacing);
-                // A stretch between two samples has none.
-                prop_assert!(pixel[3] == 0.0 || (pixel[3] - opacity(length)).abs() < 1e-7, "{pixel:?}, not {length}");
-                prop_assert!(pixel[3] > 0.0 || length < 2.01 * step_length(&geometry, drawn.spacing));
-            }
+        let geometry = geometry_along(&volume, view.direction, TemplateRule::PlaneFloor, offset);
+        let base = discrete(&volume, &scene, &geometry, Interpolation::Exact, &DiscreteOptions::default(), None).unwrap();
+        for (i, pixel) in base.pixels.iter().enumerate() {
+            let first = geometry.first_ray();
+            let ray = DiscreteRay { u: first.u + (i % base.width) as i64, v: first.v + (i / base.width) as i64 };
+            let [du, dv] = geometry.real_slopes();
+            let place = |w: f64| {
+                let at = [ray.u as f64 + w * du, ray.v as f64 + w * dv, w];
+                DVec3::from(geometry.axes.voxel_position(geometry.size, at))
+            };
+            let planes = [0.0, (geometry.size[2] - 1) as f64];
+            let span = stretch(&thick, drawn.dims, place(0.0), place(1.0) - place(0.0), planes);
+            let length = span.map_or(0.0, |[enter, leave]| leave - enter) * step_length(&geometry, drawn.spacing);
+            // A stretch between two samples has none.
+            prop_assert!(pixel[3] == 0.0 || (pixel[3] - opacity(length)).abs() < 1e-7, "{pixel:?}, not {length}");
+            prop_assert!(pixel[3] > 0.0 || length < 2.01 * step_length(&geometry, drawn.spacing));
         }
     }
 }

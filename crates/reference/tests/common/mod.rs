@@ -1,32 +1,13 @@
-//! What several tests need: geometries, volumes without structure, and distances.
+//! What several tests need: volumes and scenes, the symmetries of the cube, lengths and distances by other methods.
 #![allow(dead_code)]
 
-use cube3_frame::{Geometry, largest_offset, slope_register};
+pub mod brute_force;
+pub mod labels;
+pub mod turn;
 
-use cube3_host::canonical;
-
-use cube3_machine::{RaySlots, TemplateRule};
-use cube3_scene::{Image, Scene, View};
-use cube3_volume::{Volume, thick_dims};
+use cube3_scene::{Image, Material, Mode, Scene, Transfer, View, corrected_opacity};
+use cube3_volume::Volume;
 use glam::DVec3;
-
-/// Fraction bits of weights and offset: the default machine's.
-pub const WEIGHT_BITS: u32 = 8;
-
-/// The machine's geometry for a view direction, with the largest legal offset up to `offset`.
-pub fn geometry_along(volume: &Volume, direction: DVec3, rule: TemplateRule, offset: f64) -> Geometry {
-    let view = canonical(direction, volume.spacing);
-    let slopes = view.slopes.map(slope_register);
-    let wanted = (offset * f64::from(1 << WEIGHT_BITS)) as u32;
-    let offset = wanted.min(largest_offset(rule, slopes, WEIGHT_BITS));
-    let size = view.axes.permute(thick_dims(volume.dims));
-    Geometry::new(size, view.axes, slopes, offset, WEIGHT_BITS, rule, RaySlots::Wrapped)
-}
-
-/// The same for a scene's view, by the paper's rule and o = ½ where it may be.
-pub fn geometry(volume: &Volume, scene: &Scene) -> Geometry {
-    geometry_along(volume, scene.view.frame().unwrap().direction, TemplateRule::SampleFloor, 0.5)
-}
 
 /// A number 0 to 1 that looks random, from coordinates and a seed.
 pub fn hash(seed: u64, at: [usize; 3]) -> f64 {
@@ -50,6 +31,47 @@ pub fn affine(dims: [usize; 3], spacing: [f64; 3], slope: [f64; 3], constant: f6
         .unwrap()
 }
 
+/// A volume of one value.
+pub fn constant(dims: [usize; 3]) -> Volume {
+    Volume::from_fn(dims, [1.0; 3], |_, _, _| 100_u8).unwrap()
+}
+
+/// Fog of so much opacity a voxel, not lit.
+pub fn fog(opacity: f64) -> Scene {
+    Scene {
+        transfer: Transfer { opacity: vec![[0.0, opacity]], ..Transfer::default() },
+        material: Material { shaded: false, ..Material::default() },
+        view: View::from_angles(0.0, 0.0),
+        image: one_voxel_a_pixel(1, 1),
+        ..Scene::default()
+    }
+}
+
+/// A soft ball that vanishes before the border, on n³ voxels: a cube of the world of side 1.
+pub fn ball(n: usize) -> Volume {
+    let spacing = 1.0 / n as f64;
+    Volume::from_fn([n; 3], [spacing; 3], |x, y, z| {
+        let square: f64 = [x, y, z].map(|i| ((i as f64 + 0.5) * spacing - 0.5) / 0.42).map(|c| c * c).iter().sum();
+        200.0 * (1.0 - square).max(0.0).powi(3)
+    })
+    .unwrap()
+}
+
+/// The ball's scene on n³ voxels: opacity is per voxel, so that finer voxels are clearer.
+pub fn ball_scene(n: usize, mode: Mode) -> Scene {
+    let per_voxel = |alpha: f64| corrected_opacity(alpha, 32.0 / n as f64);
+    Scene {
+        mode,
+        view: View::from_angles(24.0, 11.0),
+        image: Image { width_px: 24, height_px: 24, pixel_size_voxel: Some(n as f64 / 24.0) },
+        transfer: Transfer {
+            opacity: (0..=40).map(|i| [5.0 * f64::from(i), per_voxel(0.005 * f64::from(i))]).collect(),
+            ..Transfer::default()
+        },
+        ..Scene::default()
+    }
+}
+
 /// A scene along a direction.
 pub fn scene_along(direction: [f64; 3]) -> Scene {
     Scene { view: View::from_direction(direction, None), ..Scene::default() }
@@ -58,6 +80,15 @@ pub fn scene_along(direction: [f64; 3]) -> Scene {
 /// A picture of one voxel a pixel.
 pub fn one_voxel_a_pixel(width_px: u32, height_px: u32) -> Image {
     Image { width_px, height_px, pixel_size_voxel: Some(1.0) }
+}
+
+/// Along axes, between them, and with slopes of 1 and a hair less.
+pub const VIEWS: [[f64; 3]; 5] =
+    [[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [0.4, 0.3, 1.0], [1.0, 1.0, 1.0], [-1.0, 1.0_f64.next_down(), 0.0]];
+
+/// Numbers of pictures, 0 to 1.
+pub fn assert_sane(pixels: impl IntoIterator<Item = f64>) {
+    assert!(pixels.into_iter().all(|c| (0.0..=1.0 + 1e-12).contains(&c)));
 }
 
 /// Where the line `origin + t·direction`, in voxels, is in the box of voxel centres, the crop box and the cuts, for t in `range`: what is
@@ -92,13 +123,6 @@ pub fn stretch(scene: &Scene, dims: [usize; 3], origin: DVec3, direction: DVec3,
         there
     };
     (inside(top) >= -1e-12).then(|| range.map(end))
-}
-
-/// The paper's error: mean Euclidean distance in RGB over √3, in percent.
-pub fn mean_relative_percent(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    let distance = |(a, b): (&[f64; 3], &[f64; 3])| DVec3::from(*a).distance(DVec3::from(*b));
-    100.0 * a.iter().zip(b).map(distance).sum::<f64>() / a.len() as f64 / 3_f64.sqrt()
 }
 
 /// The largest difference between two rows of numbers.

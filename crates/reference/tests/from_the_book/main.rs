@@ -7,7 +7,7 @@ mod caster;
 
 use caster::{Mode as Shown, Setting, View as Seen, Voxels, cast};
 use common::hash;
-use cube3_raycast::{ImageOrderOptions, image_order};
+use cube3_reference::{ImageOrderOptions, image_order};
 use cube3_scene::{
     ColourPoint, Crop, Cut, DepthCue, Image, Light, Material, Mode, Perspective, Scene, Threshold, Transfer, View,
 };
