@@ -347,3 +347,16 @@ impl<S: Sample> Probe for PlacedSample<'_, S> {
         [along(0), along(1), along(2)]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_axis_is_that_of_the_longest_step_in_voxels_and_z_before_y_before_x() {
+        let axis = |direction: [f64; 3], spacing| nearest_axis(direction.into(), spacing);
+        assert_eq!([[1.0, 1.0, -1.0], [-1.0, 1.0, 0.0], [1.0, 0.0, 0.0]].map(|along| axis(along, [1.0; 3])), [2, 1, 0]);
+        assert_eq!(axis([0.0, 0.9, 1.0], [1.0, 1.0, 2.0]), 1);
+        assert_eq!(axis([1.0, 2.0, 4.0], [1.0, 2.0, 4.0]), 2);
+    }
+}
