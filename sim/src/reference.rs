@@ -6,9 +6,10 @@ use crate::progress::Progress;
 use cube3_host::PictureFrames;
 use cube3_machine::MachineSpec;
 use cube3_metrics::{Picture, compare, footprint};
-use cube3_raycast::{DiscreteOptions, ImageOrderOptions, image_order, sheared, true_3d};
+use cube3_reference::{ImageOrderOptions, image_order};
 use cube3_report::{ErrorReport, ReferenceError};
 use cube3_scene::Scene;
+use cube3_twin::{DiscreteOptions, sheared, true_3d};
 use std::str::FromStr;
 
 /// What the picture is measured against.

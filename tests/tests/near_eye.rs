@@ -4,7 +4,7 @@ use cube3::function::{CanonicalVolume, render};
 use cube3_frame::{BasePlane, FrameSetup, Geometry};
 use cube3_host::{PictureFrames, VolumeInfo, picture_setup, warp_passes};
 use cube3_machine::MachineSpec;
-use cube3_raycast::{ImageOrderOptions, image_order};
+use cube3_reference::{ImageOrderOptions, image_order};
 use cube3_scene::{ColourPoint, Image, Perspective, Scene, View};
 use cube3_volume::{Phantom, PhantomParams, Samples, Volume, VoxelWords, WordConversion};
 

@@ -7,7 +7,7 @@ use cube3::run::{RunOptions, Runs, run_frame};
 use cube3_frame::{BasePlane, Geometry};
 use cube3_host::{PictureFrames, VolumeInfo, frame_setup, picture_setup, warp_passes};
 use cube3_machine::{GradientMethod, MachineSpec, RayEnds, RaySlots, Rays};
-use cube3_raycast::{ImageOrderOptions, image_order};
+use cube3_reference::{ImageOrderOptions, image_order};
 use cube3_scene::{Image, Layer, Light, Material, Perspective, Scene, View, VolumeSource};
 use cube3_tests::{SmallVolume, for_perspective, machines, scenes, volumes};
 use cube3_volume::{Phantom, PhantomParams, ReadOptions, WordConversion};

@@ -61,7 +61,14 @@ fn sizes() -> impl Strategy<Value = [usize; 3]> {
     [1_usize..6, 1_usize..6, 1_usize..6]
 }
 
+/// The setup of a parallel frame, on a machine that a file could describe.
+fn parallel(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo) -> FrameSetup {
+    machine.check("machine").unwrap();
+    frame_setup(scene, machine, volume, true).unwrap().setup
+}
+
 fn setups(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo) -> Vec<FrameSetup> {
+    machine.check("machine").unwrap();
     picture_setup(scene, machine, volume, true).unwrap().setups
 }
 
@@ -140,13 +147,13 @@ proptest! {
     /// Of all sample words those are shown whose value is within the threshold, both ends included.
     #[test]
     fn a_threshold_shows_the_words_within_it(low in prop::option::of(0_u32..=2050), high in prop::option::of(0_u32..=2050)) {
-        let words = Words { voxel_bits: 8, sample_fraction_bits: 2, ..Words::default() };
+        let words = Words { voxel_bits: 8, sample_fraction_bits: 2, gradient_bits: 10, table_bits: 10, ..Words::default() };
         let machine = MachineSpec { words, ..MachineSpec::default() };
         // Sample word w is the value w/4; bounds are on eighths.
         let bound = |x: Option<u32>| x.map(|x| f64::from(x) / 8.0);
         let threshold = Threshold { low: bound(low), high: bound(high) };
         let scene = Scene { threshold: Some(threshold.clone()), ..Scene::default() };
-        let setup = frame_setup(&scene, &machine, &volume([4; 3], [1.0; 3]), true).unwrap().setup;
+        let setup = parallel(&scene, &machine, &volume([4; 3], [1.0; 3]));
         let [from, to] = setup.classification.threshold;
         for word in 0..=255_u32 * 4 {
             let shown = (from..=to).contains(&word);
@@ -165,7 +172,7 @@ proptest! {
         let layer = |gradient| Layer { gradient, opacity: vec![[0.0, 0.0], [255.0, 0.5]] };
         let mut scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
         scene.transfer.layers = vec![layer(0.0), layer(largest)];
-        let setup = frame_setup(&scene, &machine, &volume([5; 3], spacing), true).unwrap().setup;
+        let setup = parallel(&scene, &machine, &volume([5; 3], spacing));
         let rows = setup.classification.gradient_rows.unwrap();
         prop_assert_eq!(rows.rows, 1 << row_bits);
         // The difference of two samples on both sides, along the axis of the shortest spacing, whose factor is 1.
@@ -185,7 +192,7 @@ proptest! {
         let scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
         let mut machine = machine(TemplateRule::PlaneFloor);
         machine.abc.gradient = GradientMethod::TenNormalised;
-        let setup = frame_setup(&scene, &machine, &volume([5; 3], spacing), true).unwrap().setup;
+        let setup = parallel(&scene, &machine, &volume([5; 3], spacing));
         let geometry = &setup.geometry;
         let basis = Basis::new(geometry, spacing, GradientMethod::TenNormalised);
         let world = DVec3::from(direction).normalize();
@@ -222,9 +229,10 @@ proptest! {
         let mut scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
         scene.transfer.opacity = vec![[0.0, 0.0], [255.0, alpha]];
         scene.transfer.opacity_correction = corrects;
-        let words = Words { voxel_bits: 8, sample_fraction_bits: 0, table_bits: 8, opacity_bits: 16, ..Words::default() };
+        let words =
+            Words { voxel_bits: 8, sample_fraction_bits: 0, gradient_bits: 8, table_bits: 8, opacity_bits: 16, ..Words::default() };
         let machine = MachineSpec { words, ..MachineSpec::default() };
-        let setup = frame_setup(&scene, &machine, &volume([5; 3], spacing), true).unwrap().setup;
+        let setup = parallel(&scene, &machine, &volume([5; 3], spacing));
         let along = DVec3::from(direction) / DVec3::from(spacing);
         let per_plane = DVec3::from(direction) / along.abs().max_element();
         let smallest = spacing.into_iter().fold(f64::INFINITY, f64::min);
@@ -241,7 +249,7 @@ proptest! {
     fn lights_are_measured_against_the_gradient(direction in directions(), towards in directions()) {
         let mut scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
         scene.lights = vec![Light { direction: Some(towards), colour: [1.0; 3] }];
-        let setup = frame_setup(&scene, &machine(TemplateRule::SampleFloor), &volume([5; 3], [1.0; 3]), true).unwrap().setup;
+        let setup = parallel(&scene, &machine(TemplateRule::SampleFloor), &volume([5; 3], [1.0; 3]));
         let Some(Shading::Phong(phong)) = &setup.shading else { panic!("lit by Phong") };
         let one = f64::from(1_u32 << (setup.words.normal_bits - 1));
         let light = setup.geometry.axes.to_canonical(DVec3::from(towards).normalize());
@@ -285,13 +293,13 @@ fn a_sample_on_the_face_that_a_ray_enters_counts_and_one_on_the_other_does_not()
                 Scene { view: View::from_direction(direction, None), crop: Some(crop), mode, ..Scene::default() };
             let mut machine = MachineSpec::default();
             machine.rays.offset = 0.0;
-            let setup = frame_setup(&scene, &machine, &volume([8; 3], [1.0; 3]), true).unwrap().setup;
+            let setup = parallel(&scene, &machine, &volume([8; 3], [1.0; 3]));
             let depths: Vec<i64> =
                 (0..8).filter(|&k| setup.clips.iter().all(|clip| kept(&setup, clip, [3, 3, k]))).collect();
             let first = if reversed { 7 - 5 } else { 2 };
             assert_eq!(depths, (first..first + expected).collect::<Vec<_>>(), "{mode:?}, {direction:?}");
             machine.rays.ends = RayEnds::Exact;
-            let setup = frame_setup(&scene, &machine, &volume([8; 3], [1.0; 3]), true).unwrap().setup;
+            let setup = parallel(&scene, &machine, &volume([8; 3], [1.0; 3]));
             let count = (0..8).filter(|&k| setup.clips.iter().all(|clip| kept(&setup, clip, [3, 3, k]))).count();
             assert_eq!(count, 4, "parts of a step need no rule");
         }
@@ -304,7 +312,7 @@ fn a_weighted_sum_weighs_each_plane_alike() {
     for depth in [1_usize, 3, 8, 512] {
         let scene =
             Scene { view: View::from_direction([0.0, 0.0, 1.0], None), mode: Mode::WeightedSum, ..Scene::default() };
-        let setup = frame_setup(&scene, &MachineSpec::default(), &volume([4, 4, depth], [1.0; 3]), true).unwrap().setup;
+        let setup = parallel(&scene, &MachineSpec::default(), &volume([4, 4, depth], [1.0; 3]));
         assert_eq!(setup.cone.sum_weight, (1_u64 << 32) / depth as u64);
     }
 }
@@ -312,13 +320,12 @@ fn a_weighted_sum_weighs_each_plane_alike() {
 /// Where a table is coarser than the samples, an entry stands for the value in the middle of those that share it; a label's for the label.
 #[test]
 fn entries_are_in_the_middle_of_the_samples_that_share_them() {
-    let words = Words { voxel_bits: 8, sample_fraction_bits: 2, table_bits: 6, ..Words::default() };
+    let words = Words { voxel_bits: 8, sample_fraction_bits: 2, gradient_bits: 10, table_bits: 6, ..Words::default() };
     let machine = MachineSpec { words, ..MachineSpec::default() };
     let mut scene = Scene::default();
     scene.transfer.opacity = vec![[0.0, 0.0], [255.0, 1.0]];
     scene.transfer.opacity_correction = false;
-    let tables =
-        |scene: &Scene| frame_setup(scene, &machine, &volume([5; 3], [1.0; 3]), true).unwrap().setup.classification;
+    let tables = |scene: &Scene| parallel(scene, &machine, &volume([5; 3], [1.0; 3])).classification;
     let full = f64::from((1_u32 << words.opacity_bits) - 1);
     let table = tables(&scene);
     assert_eq!(table.index_shift, 4);

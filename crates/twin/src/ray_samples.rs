@@ -1,0 +1,72 @@
+//! Samples and gradients of single rays, taken one by one: for tests, metrics and questions.
+
+use crate::RaycastError;
+use crate::check::check_geometry;
+use crate::gradient::Estimator;
+use crate::steps::{Interpolation, Step, steps};
+use crate::voxels::Voxels;
+use cube3_frame::{DiscreteRay, Geometry};
+use cube3_machine::GradientMethod;
+use cube3_reference::{cell, check_volume};
+use cube3_volume::{Volume, with_samples};
+use glam::DVec3;
+
+/// The samples that [`true_3d`](crate::true_3d) and [`sheared`](crate::sheared) take, to the bit.
+pub struct RaySamples<'a> {
+    volume: &'a Volume,
+    geometry: &'a Geometry,
+    steps: Vec<Step>,
+    border: f64,
+}
+
+impl<'a> RaySamples<'a> {
+    /// The samples of a volume under a geometry; neighbours that do not exist have the value `border`.
+    ///
+    /// # Errors
+    /// A volume that is no grid of finite values, or a geometry of another volume.
+    pub fn new(
+        volume: &'a Volume,
+        geometry: &'a Geometry,
+        interpolation: Interpolation,
+        border: f64,
+    ) -> Result<Self, RaycastError> {
+        check_volume(volume, border)?;
+        check_geometry(volume, geometry)?;
+        Ok(RaySamples { volume, geometry, steps: steps(geometry, interpolation), border })
+    }
+
+    /// Sample `k` of a ray, where the machine takes one.
+    pub fn sample(&self, ray: DiscreteRay, k: i64) -> Option<f64> {
+        if !self.geometry.has_sample(ray, k) {
+            return None;
+        }
+        let step = &self.steps[k as usize];
+        let last = self.geometry.size.map(|n| n - 1);
+        let voxel = |plane: usize, j: usize, i: usize| {
+            let column = ((ray.u + step.columns[plane] as i64) as usize + i).min(last[0]);
+            let row = ((ray.v + step.rows[plane] as i64) as usize + j).min(last[1]);
+            let at = [column, row, step.planes[plane]];
+            with_samples!(&self.volume.samples, v => Voxels::new(v, self.volume.dims, self.geometry).at(at))
+        };
+        let corners = [0, 1].map(|plane| [0, 1].map(|j| [0, 1].map(|i| voxel(plane, j, i))));
+        Some(cell(corners, step.weights))
+    }
+
+    /// The gradient at sample `k` of a ray in the components of the method's
+    /// [`Basis`](crate::Basis), in values per smallest voxel spacing (method 10: raw differences in
+    /// proportion).
+    pub fn gradient(&self, ray: DiscreteRay, k: i64, method: GradientMethod) -> [f64; 3] {
+        self.estimate(&Estimator::new(self.geometry, self.volume.spacing, method), ray, k)
+    }
+
+    /// The same as a vector in the world.
+    pub fn world_gradient(&self, ray: DiscreteRay, k: i64, method: GradientMethod) -> DVec3 {
+        let estimator = Estimator::new(self.geometry, self.volume.spacing, method);
+        estimator.basis.world(&self.geometry.axes, self.estimate(&estimator, ray, k))
+    }
+
+    fn estimate(&self, estimator: &Estimator, ray: DiscreteRay, k: i64) -> [f64; 3] {
+        estimator
+            .gradient(|[i, j, l]| self.sample(DiscreteRay { u: ray.u + i, v: ray.v + j }, k + l).unwrap_or(self.border))
+    }
+}
