@@ -18,15 +18,20 @@ pub const FLOORS: &[(&str, &[&str])] = &[
     ("units", &["trilin"]),
     ("units", &["abc"]),
     ("units", &["cone"]),
-    ("systems", &["raycast"]),
+    ("references", &["reference"]),
+    ("references", &["twin"]),
     ("tools", &["vectors", "report"]),
     ("command", &["sim"]),
     ("tests", &["tests"]),
 ];
 
 /// Rooms that must not use another, though it is below them, each with the reason.
-pub const WALLS: &[(&[&str], &str, &str)] =
-    &[(&["cfb", "dsb", "trilin", "abc", "cone"], "host", "a unit knows registers, and not who makes them")];
+pub const WALLS: &[(&[&str], &str, &str)] = &[
+    (&["cfb", "dsb", "trilin", "abc", "cone"], "host", "a unit knows registers, and not who makes them"),
+    (&["reference", "twin"], "host", "what is measured with does not run what is measured"),
+    (&["reference"], "frame", "image order knows scene and volume alone"),
+    (&["reference"], "machine", "image order knows scene and volume alone"),
+];
 
 /// The rooms of a workspace, each with those that it uses.
 #[derive(Clone, Debug, PartialEq, Eq)]
