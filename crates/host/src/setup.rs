@@ -3,7 +3,7 @@
 use crate::{OpacityEntries, canonical, classification, ends, shading, whole_step_opacity};
 use cube3_frame::{
     Axes, ConeRegisters, EndRegisters, FrameSetup, Geometry, GradientRegisters, GradientScale, HalfSpace, LARGEST_SIDE,
-    Linear, LinearFactor, Normaliser, PLACE_BITS, Perspective, RayRegisters, SLOPE_FRACTION_BITS, largest_offset,
+    Linear, LinearFactor, Normaliser, Perspective, RayRegisters, SLOPE_FRACTION_BITS, largest_offset,
     slope_register,
 };
 use cube3_machine::{Abc, BusKind, GradientMethod, MachineSpec, RaySlots, ShadingUnit, TemplateRule};
@@ -430,16 +430,10 @@ fn ray_registers(
     let [view_u, view_v] = [along(&pass.u.slopes, s[0]), along(&pass.v.slopes, s[1])];
     let largest = view_u.iter().chain(&view_v).fold(s[2], |most, x| most.max(x.abs()));
     let view = |x: f64| (x / largest * f64::from(1 << 28)).round() as i32;
-    let slope = |slopes: &[i64]| -> Vec<u32> {
-        let register = |&slope: &i64| {
-            let size = slope.unsigned_abs() >> (SLOPE_FRACTION_BITS - RayRegisters::SLOPE_BITS - 1);
-            (size.div_ceil(2) as u32).min(2 << RayRegisters::SLOPE_BITS)
-        };
-        slopes.iter().map(register).collect()
-    };
+    let slope =
+        |slopes: &[i64]| -> Vec<u32> { slopes.iter().map(|&slope| RayRegisters::slope_register(slope)).collect() };
     let reach = |k: usize| pass.reach_at(k as i64, geometry.offset, geometry.weight_bits);
-    // From a sample to its neighbours along u and v.
-    let spacing = |k: usize| pass.spacing_at(k as i64, geometry.offset, geometry.weight_bits) * f64::from(reach(k));
+    let spacing = |k: usize| pass.neighbour_spacing(k as i64, geometry.offset, geometry.weight_bits);
     let depths = 0..geometry.size[2];
     let (scale, _) = basis.scale(method);
     let factor = |x: f64| quantise_fraction(x, GradientScale::FACTOR_BITS);
@@ -457,10 +451,7 @@ fn ray_registers(
         length_classes: steps.lengths.len() as u32,
         slope_u: slope(&pass.u.slopes),
         slope_v: slope(&pass.v.slopes),
-        closeness: depths
-            .clone()
-            .map(|k| quantise_fraction(1.0 / spacing(k).max(1.0), RayRegisters::SLOPE_BITS))
-            .collect(),
+        closeness: depths.clone().map(|k| RayRegisters::closeness_registers(spacing(k))[0]).collect(),
         factors: depths
             .clone()
             .map(|k| {
@@ -469,7 +460,7 @@ fn ray_registers(
             })
             .collect(),
         reach: pass.doubled.then(|| depths.clone().map(reach).collect()),
-        nearness: pass.doubled.then(|| depths.map(|k| factor(spacing(k))).collect()),
+        nearness: pass.doubled.then(|| depths.map(|k| RayRegisters::closeness_registers(spacing(k))[1]).collect()),
     }
 }
 
@@ -592,22 +583,18 @@ fn is_unity(scale: &GradientScale) -> bool {
 /// A function `normal · p + constant` of the voxel position, over rays and depths, or over places in perspective.
 pub(crate) fn linear(geometry: &Geometry, normal: [f64; 3], constant: f64, fraction_bits: u32) -> Linear {
     let one = (1_u64 << fraction_bits) as f64;
-    // A plane farther away than this decides nothing, and sums over any volume stay within 64 bits.
-    let quantise = |x: f64, most: f64| (x * one).clamp(-most, most).round() as i64;
-    let far = 2_f64.powi(60);
+    let quantise = |x: f64, most: i64| (x * one).clamp(-(most as f64), most as f64).round() as i64;
     if geometry.perspective.is_some() {
-        let steep = 2_f64.powi(48 - PLACE_BITS as i32);
-        let [u, v, k] = normal.map(|x| quantise(x, steep));
-        return Linear { u, v, k, constant: quantise(constant, far) };
+        let [u, v, k] = normal.map(|x| quantise(x, Linear::STEEPEST_BY_PLACE));
+        return Linear { u, v, k, constant: quantise(constant, Linear::FARTHEST) };
     }
     let [du, dv] = geometry.real_slopes();
     let along = normal[0] * du + normal[1] * dv + normal[2];
-    let steep = 2_f64.powi(46);
     Linear {
-        u: quantise(normal[0], steep),
-        v: quantise(normal[1], steep),
-        k: quantise(along, steep),
-        constant: quantise(constant + geometry.real_offset() * along, far),
+        u: quantise(normal[0], Linear::STEEPEST),
+        v: quantise(normal[1], Linear::STEEPEST),
+        k: quantise(along, Linear::STEEPEST),
+        constant: quantise(constant + geometry.real_offset() * along, Linear::FARTHEST),
     }
 }
 

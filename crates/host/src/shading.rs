@@ -32,15 +32,15 @@ pub(crate) fn registers(
     }
 }
 
-/// An intensity 0 to below 16 as a fraction of the colour bits.
+/// An intensity 0 to [`Phong::MOST_INTENSITY`] as a fraction of the colour bits.
 fn intensity(value: f64, colour_bits: u32) -> u32 {
     let one = f64::from(1_u32 << colour_bits);
-    (value.clamp(0.0, 15.0) * one).round() as u32
+    (value.clamp(0.0, f64::from(Phong::MOST_INTENSITY)) * one).round() as u32
 }
 
 /// An added intensity on the scale of a unit colour word.
 fn added(value: f64, colour_bits: u32) -> u32 {
-    (value.clamp(0.0, 15.0) * f64::from(cube3_word::unit_full(colour_bits))).round() as u32
+    (value.clamp(0.0, f64::from(Phong::MOST_INTENSITY)) * f64::from(cube3_word::unit_full(colour_bits))).round() as u32
 }
 
 fn phong(scene: &Scene, machine: &MachineSpec, lights: &[LocalLight]) -> Phong {
