@@ -10,7 +10,7 @@ pub const PLACE_BITS: u32 = 16;
 
 /// Grid steps by which rays go beyond those that pictures show, so that the warp finds all neighbours at the edge; the gradients of those
 /// find theirs as many rays farther as they reach.
-const MARGIN: f64 = 1.0;
+pub(crate) const MARGIN: f64 = 1.0;
 
 /// Part of F by which the rays that pictures show go beyond a slope of 1 in near frames, so that the warp can pass from one base plane to the
 /// next over some width.

@@ -3,8 +3,7 @@
 use crate::{OpacityEntries, canonical, classification, ends, shading, whole_step_opacity};
 use cube3_frame::{
     Axes, ConeRegisters, EndRegisters, FrameSetup, Geometry, GradientRegisters, GradientScale, HalfSpace, LARGEST_SIDE,
-    Linear, LinearFactor, Normaliser, Perspective, RayRegisters, SLOPE_FRACTION_BITS, largest_offset,
-    slope_register,
+    Linear, LinearFactor, Normaliser, Perspective, RayRegisters, SLOPE_FRACTION_BITS, largest_offset, slope_register,
 };
 use cube3_machine::{Abc, BusKind, GradientMethod, MachineSpec, RaySlots, ShadingUnit, TemplateRule};
 use cube3_scene::{Mode, Scene, SceneError, ViewFrame};

@@ -4,6 +4,7 @@
 //! rounding of the registers, so one of nine neighbours explains every entry.
 
 use super::{Checked, differs, follows, length, range, ranges as each_in_range, ranges_at};
+use crate::perspective::MARGIN;
 use crate::{Fan, Geometry, Perspective, SLOPE_FRACTION_BITS};
 
 const RAYS: &str = "the places and slopes of the rays";
@@ -51,20 +52,29 @@ pub(super) fn follows_from_rays(
             follow(entry("weights"), fan.weight(i, k), made.weight(at, k))?;
         }
     }
-    // A fan that was cut has a last ray without samples.
     let shape = &shape;
     let valid = |whole| {
         let at = move |k| if k < shape.first_depth { [0; 2] } else { fan.valid_at(k, shape, columns as i32, whole) };
         (0..shape.depths).map(at)
     };
-    let wrong = |whole| valid(whole).zip(&fan.valid).filter(|(made, given)| made != *given).count();
-    let whole = if wrong(count) <= wrong(count - 1) { count } else { count - 1 };
+    let wrong = |whole: &usize| valid(*whole).zip(&fan.valid).filter(|(made, given)| made != *given).count();
+    let whole = whole(fan, pass).min_by_key(wrong).unwrap_or(count);
     for (k, made) in valid(whole).enumerate() {
         for end in 0..2 {
             follows(&format!("{path}.valid[{k}][{end}]"), fan.valid[k][end], made[end], RAYS)?;
         }
     }
     Ok(())
+}
+
+/// The rays that may have samples: all, or all but the last in a fan that ends because its rays are too steep. Where the last ray is as steep as
+/// they come, to the rounding of the registers, it may be either.
+fn whole(fan: &Fan, pass: &Perspective) -> impl Iterator<Item = usize> {
+    let (count, margin) = (fan.count(), MARGIN as i64 + i64::from(pass.most_reach) + i64::from(pass.overlap));
+    let beyond = fan.slopes[count - 1] - ((1 << SLOPE_FRACTION_BITS) + margin * pass.spacing[1]);
+    let rounded = margin / 2 + 2;
+    let [from, to] = [count - usize::from(beyond >= -rounded), count - usize::from(beyond > rounded)];
+    from..=to
 }
 
 fn follow<T: PartialEq + std::fmt::Debug>(field: String, value: T, expected: T) -> Checked {
@@ -75,20 +85,23 @@ fn follow<T: PartialEq + std::fmt::Debug>(field: String, value: T, expected: T) 
 fn rays(fan: &Fan, path: &str, pass: &Perspective) -> Checked {
     let one = 1_i128 << SLOPE_FRACTION_BITS;
     let away = i128::from(pass.grid_plane) - pass.first_depth as i128 * one;
-    // Place and slope are rounded by half at most.
-    let rounded = if away == 0 { 0 } else { 2 + away.abs() / one };
+    // To the rounding of place, slope and plane; places on the base plane are whole.
+    let rounded = |i: usize| match pass.doubled {
+        true => 3 + (away.abs() + i128::from(fan.slopes[i].abs())) / one,
+        false => 0,
+    };
     let beside = |i: usize| {
         let crossing = i128::from(fan.starts[i]) + ((away * i128::from(fan.slopes[i])) >> SLOPE_FRACTION_BITS);
         crossing - (i128::from(fan.first) + i as i128) * one
     };
     let count = fan.count();
-    if beside(0).abs() > rounded && beside(count - 1).abs() > rounded {
+    if [0, count - 1].into_iter().all(|i| beside(i).abs() > rounded(i)) {
         let first = fan.first as i128 + (beside(0) + one / 2).div_euclid(one);
         follows(&format!("{path}.first"), i128::from(fan.first), first, "where the first ray crosses the grid plane")?;
     }
     for i in 0..count {
         let off = beside(i);
-        if off.abs() > rounded {
+        if off.abs() > rounded(i) {
             let start = i128::from(fan.starts[i]);
             let from = "the ray's number and its slope";
             follows(&format!("{path}.starts[{i}]"), start, start - off, from)?;
@@ -112,7 +125,9 @@ fn last_ray(fan: &Fan, geometry: &Geometry, pass: &Perspective) -> Fan {
         Fan::of(fan.first + last as i64, &[start, next[0]], &[slope, next[1]], &shape)
     };
     let wrong = |made: &Fan| {
-        (0..shape.depths).filter(|&k| made.right(0, k) != fan.right(last, k) || made.weight(0, k) != fan.weight(last, k)).count()
+        (0..shape.depths)
+            .filter(|&k| made.right(0, k) != fan.right(last, k) || made.weight(0, k) != fan.weight(last, k))
+            .count()
     };
     let (mut best, rest) = (with_next([0, 0]), (0..9).map(|i| [i / 3 - 1, i % 3 - 1]));
     for by in rest {

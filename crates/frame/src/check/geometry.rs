@@ -1,6 +1,6 @@
 //! The geometry registers: templates and fans follow from slopes, and are made again.
 
-use super::{Checked, absent, fans, follows, length, list_follows, present, range, ranges_at};
+use super::{Checked, absent, choice, fans, follows, length, list_follows, present, range, ranges_at};
 use crate::perspective::{OVERLAP, largest_offset};
 use crate::{FrameSetup, Geometry, LARGEST_SIDE, Perspective, SLOPE_FRACTION_BITS, Template};
 use cube3_machine::RaySlots;
@@ -23,12 +23,8 @@ pub(super) fn check(setup: &FrameSetup) -> Checked {
     ranges_at(|i| format!("geometry.size[{i}]"), geometry.size.map(|n| n as i128), 1, LARGEST_SIDE as i128)?;
     let axes = geometry.axes.axis;
     ranges_at(|i| format!("geometry.axes.axis[{i}]"), axes.map(|a| a as i128), 0, 2)?;
-    for (i, axis) in axes.iter().enumerate() {
-        if axes[..i].contains(axis) {
-            let left = (0..3).find(|axis| !axes.contains(axis)).unwrap_or(0);
-            follows(&format!("geometry.axes.axis[{i}]"), *axis, left, "the other two axes")?;
-        }
-    }
+    let all = (0..3).all(|axis| axes.contains(&axis));
+    choice("geometry.axes.axis", axes, all, "u, v and w have a voxel axis each")?;
     let bits = geometry.weight_bits;
     follows("geometry.weight_bits", bits, setup.words.weight_bits, "words.weight_bits")?;
     range("geometry.offset", geometry.offset, 0, (1 << bits) - 1)?;
@@ -100,8 +96,8 @@ fn grid(pass: &Perspective, depths: usize, rays_near: bool) -> Checked {
     let planes = depths as i64;
     let [first, step] = pass.spacing;
     range(&field("grid_plane"), pass.grid_plane, 0, (planes + 4 * planes) * ONE)?;
-    range(&field("spacing[0]"), first, 0, ONE)?;
     range(&field("spacing[1]"), step, 0, MOST_SPACING * ONE / planes + 1)?;
+    range(&field("spacing[0]"), first, 0, if pass.first_depth > 0 { step } else { ONE })?;
     range(&field("most_reach"), pass.most_reach, 1, MOST_REACH)?;
     let behind = pass.grid_plane != 0;
     if pass.doubled != behind && pass.doubled != rays_near {
@@ -117,13 +113,10 @@ fn grid(pass: &Perspective, depths: usize, rays_near: bool) -> Checked {
     }
     range(&field("spacing[1]"), step, 1, MOST_SPACING * ONE / planes + 1)?;
     range(&field("grid_plane"), pass.grid_plane, 1, (planes + 4 * planes) * ONE)?;
-    if pass.first_depth > 0 {
-        range(&field("spacing[0]"), first, 0, step)?;
-    }
-    // Rays are a voxel apart on the grid plane: each of the registers is rounded by half at most.
+    // Rays are a voxel apart on the grid plane, to the rounding of the three registers.
     let away = pass.grid_plane - pass.first_depth as i64 * ONE;
     let apart = i128::from(first) + ((i128::from(away) * i128::from(step)) >> SLOPE_FRACTION_BITS);
-    let rounded = 2 + i128::from(away.abs() >> SLOPE_FRACTION_BITS);
+    let rounded = 3 + i128::from((away.abs() + step) >> SLOPE_FRACTION_BITS);
     if (apart - i128::from(ONE)).abs() > rounded {
         let plane = (ONE - first) as f64 / step as f64 * ONE as f64;
         let plane = plane as i64 + pass.first_depth as i64 * ONE;

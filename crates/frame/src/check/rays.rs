@@ -49,7 +49,6 @@ fn lights(rays: &RayRegisters, setup: &FrameSetup) -> Checked {
 
 /// Every ray has a class of step lengths for which there is a table.
 fn lengths(rays: &RayRegisters) -> Checked {
-    range("rays.length_classes", rays.length_classes, 1, RayRegisters::MOST_CLASSES)?;
     let most = (rays.length_classes << RayRegisters::CLASS_SHIFT) - 1;
     ranges("rays.length_u", &rays.length_u, 0, most)?;
     let longest = rays.length_v.iter().copied().max().unwrap_or(0);

@@ -3,7 +3,7 @@
 use super::{Checked, absent, choice, follows, length, list_follows, present, range, ranges, ranges_at, triples};
 use crate::{
     Classification, ConeRegisters, EndRegisters, FrameSetup, GradientRegisters, GradientScale, Normaliser, Phong,
-    ReflectanceTable, SLOPE_FRACTION_BITS, Shading,
+    RayRegisters, ReflectanceTable, SLOPE_FRACTION_BITS, Shading,
 };
 use cube3_machine::GradientMethod;
 use cube3_scene::MOST_LIGHTS;
@@ -72,6 +72,9 @@ fn classification(setup: &FrameSetup) -> Checked {
     };
     length("classification.colour", colour.len(), 1 << words.table_bits, "words.table_bits")?;
     triples("classification.colour", colour, unit_full(words.colour_bits))?;
+    if let Some(rays) = &setup.rays {
+        range("rays.length_classes", rays.length_classes, 1, RayRegisters::MOST_CLASSES)?;
+    }
     let lengths = setup.rays.as_ref().map_or(1, |rays| rays.length_classes as usize);
     let classes = lengths + if setup.ends.is_some() { EndRegisters::CLASSES as usize } else { 0 };
     let from = "words, gradient_rows, rays.length_classes and ends";
