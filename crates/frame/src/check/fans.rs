@@ -47,9 +47,9 @@ pub(super) fn follows_from_rays(
         for i in 0..count {
             let (made, at) = if i + 1 < count { (&made, i) } else { (&last, 0) };
             let entry = |name: &str| format!("{path}.{name}[{}]", k * count + i);
-            follow(entry("near"), fan.near(i, k), made.near(at, k))?;
-            follow(entry("right"), fan.right(i, k), made.right(at, k))?;
-            follow(entry("weights"), fan.weight(i, k), made.weight(at, k))?;
+            follow(|| entry("near"), fan.near(i, k), made.near(at, k))?;
+            follow(|| entry("right"), fan.right(i, k), made.right(at, k))?;
+            follow(|| entry("weights"), fan.weight(i, k), made.weight(at, k))?;
         }
     }
     let shape = &shape;
@@ -60,8 +60,8 @@ pub(super) fn follows_from_rays(
     let wrong = |whole: &usize| valid(*whole).zip(&fan.valid).filter(|(made, given)| made != *given).count();
     let whole = whole(fan, pass).min_by_key(wrong).unwrap_or(count);
     for (k, made) in valid(whole).enumerate() {
-        for end in 0..2 {
-            follows(&format!("{path}.valid[{k}][{end}]"), fan.valid[k][end], made[end], RAYS)?;
+        for (end, (&given, made)) in fan.valid[k].iter().zip(made).enumerate() {
+            follow(|| format!("{path}.valid[{k}][{end}]"), given, made)?;
         }
     }
     Ok(())
@@ -77,8 +77,9 @@ fn whole(fan: &Fan, pass: &Perspective) -> impl Iterator<Item = usize> {
     from..=to
 }
 
-fn follow<T: PartialEq + std::fmt::Debug>(field: String, value: T, expected: T) -> Checked {
-    if value == expected { Ok(()) } else { Err(differs(field, value, expected, RAYS)) }
+/// An entry of a list is what follows from the rays.
+fn follow<T: PartialEq + std::fmt::Debug>(field: impl Fn() -> String, value: T, expected: T) -> Checked {
+    if value == expected { Ok(()) } else { Err(differs(field(), value, expected, RAYS)) }
 }
 
 /// Rays are one spacing apart, and cross the grid plane at whole numbers.
