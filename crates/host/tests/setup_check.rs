@@ -31,7 +31,6 @@ const RANGES: &[(&str, i64, i64)] = &[
     ("ends.faces[].distance.u", -1 << 46, 1 << 46),
     ("ends.faces[].distance.v", -1 << 46, 1 << 46),
     ("ends.steps[]", 0, 4096),
-    ("geometry.axes.axis[]", 0, 2),
     ("geometry.offset", 0, 255),
     ("geometry.perspective.first_depth", 0, 5),
     ("geometry.perspective.grid_plane", 0, 30 << 30),
@@ -241,15 +240,16 @@ impl Changed<'_> {
         self.steps.iter().any(|step| matches!(step, Step::Entry(i) if *i >= 8))
     }
 
-    /// The reader refuses a value and names the place, or an entry of it.
+    /// The reader refuses a value and names the place, an entry of it, or the list that it is an entry of.
     fn is_refused(&mut self, value: impl Into<Value>) {
         let (path, value) = (path_of(self.steps), value.into());
         let shown: String = value.to_string().chars().take(40).collect();
         match self.read(value) {
             Ok(()) => self.wrong.push(format!("{path} = {shown} is taken")),
             Err((field, message)) => {
-                let named = field == path || field.starts_with(&format!("{path}["));
-                if !named || !message.starts_with(&format!("frame.json: {path}")) {
+                let entry_of = |path: &str, list: &str| path.starts_with(&format!("{list}["));
+                let named = field == path || entry_of(&field, &path) || entry_of(&path, &field);
+                if !named || !message.starts_with(&format!("frame.json: {field}")) {
                     self.wrong.push(format!("{path} = {shown} gives: {message}"));
                 }
             }
