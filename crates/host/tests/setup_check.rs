@@ -337,3 +337,45 @@ fn change(changed: &mut Changed, value: &Value, pattern: &str) {
         changed.is_refused(Value::Null);
     }
 }
+
+#[test]
+fn a_message_has_place_path_value_and_what_would_be_right() {
+    let setups = setups();
+    let [parallel, near] = [0, 2].map(|i| &setups[i].1);
+    let told = |setup: &FrameSetup, change: fn(&mut FrameSetup)| {
+        let mut setup = setup.clone();
+        change(&mut setup);
+        FrameSetup::from_json(&serde_json::to_string(&setup).unwrap(), "frame.json").unwrap_err().to_string()
+    };
+    let again = "; write the setup again with the program that made it";
+    for (message, expected) in [
+        (
+            told(parallel, |setup| setup.classification.opacity[12] = 4096),
+            "classification.opacity[12] = 4096 is outside 0 to 4095",
+        ),
+        (
+            told(parallel, |setup| setup.geometry.u.columns[3] = 7),
+            "geometry.u.columns[3] = 7 is not 1, which follows from slopes, offset and rule",
+        ),
+        (
+            told(parallel, |setup| {
+                setup.shading.take();
+                setup.gradient = None;
+            }),
+            "gradient is absent, and the opacity table reads it",
+        ),
+        (told(parallel, |setup| setup.normaliser = None), "normaliser is absent, and the shading unit reads it"),
+        (told(near, |setup| setup.rays = None), "rays is absent, and a perspective frame reads it"),
+        (
+            told(near, |setup| setup.geometry.slots = cube3_machine::RaySlots::Wrapped),
+            "geometry.slots = Wrapped is not Padded, which follows from rays that are in perspective",
+        ),
+    ] {
+        assert_eq!(message, format!("frame.json: {expected}{again}"));
+    }
+    let error = FrameSetup::from_json("{\"schema\": -1}", "frame.json").unwrap_err();
+    assert!(error.to_string().starts_with("frame.json: schema: invalid value: integer `-1`, expected u32"), "{error}");
+    let text = serde_json::to_string(parallel).unwrap() + "}";
+    let error = FrameSetup::from_json(&text, "frame.json").unwrap_err();
+    assert!(error.to_string().starts_with("frame.json: the setup: trailing characters"), "{error}");
+}

@@ -67,8 +67,8 @@ pub(super) fn follows_from_rays(
     Ok(())
 }
 
-/// The rays that may have samples: all, or all but the last in a fan that ends because its rays are too steep. Where the last ray is as steep as
-/// they come, to the rounding of the registers, it may be either.
+/// The rays that may have samples: all, or all but the last in a fan that ends because its rays are too steep. Where the last ray is as
+/// steep as they come, to the rounding of the registers, it may be either.
 fn whole(fan: &Fan, pass: &Perspective) -> impl Iterator<Item = usize> {
     let (count, margin) = (fan.count(), MARGIN as i64 + i64::from(pass.most_reach) + i64::from(pass.overlap));
     let beyond = fan.slopes[count - 1] - ((1 << SLOPE_FRACTION_BITS) + margin * pass.spacing[1]);

@@ -107,7 +107,7 @@ pub enum SetupFileError {
     Form {
         /// Where the text is from.
         place: String,
-        /// Path of the field, `.` where it is the whole.
+        /// Path of the field, `the setup` where it is the whole.
         field: String,
         /// What the reader met.
         source: serde_json::Error,
@@ -142,7 +142,10 @@ impl FrameSetup {
     /// Text that is no setup, or the first field that [`FrameSetup::check`] refuses.
     pub fn from_json(text: &str, place: &str) -> Result<FrameSetup, SetupFileError> {
         let place = || place.to_owned();
-        let form = |field, source| SetupFileError::Form { place: place(), field, source };
+        let form = |path: String, source| {
+            let field = if path == "." { "the setup".to_owned() } else { path };
+            SetupFileError::Form { place: place(), field, source }
+        };
         let mut reader = serde_json::Deserializer::from_str(text);
         let setup: FrameSetup = serde_path_to_error::deserialize(&mut reader)
             .map_err(|error| form(error.path().to_string(), error.into_inner()))?;
