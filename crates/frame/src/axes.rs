@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Every parallel view becomes one with rays towards +w and slopes 1 ≥ du ≥ dv ≥ 0. The frame buffer
 /// serves beams along any axis in either order, so this costs the machine nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Axes {
     /// For u, v, w: the voxel axis, 0 = x, 1 = y, 2 = z.
     pub axis: [usize; 3],

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// Registers for the ends of rays.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct EndRegisters {
     /// The six faces of the box of voxel centres, in a label volume of whole voxels; where the eye is behind the front one, the plane of the
     /// eye stands for it.

@@ -15,6 +15,7 @@ use std::ops::Range;
 /// planes: `w = (p − lerp(L(k), L(k+1), o)) / (lerp(R(k), R(k+1), o) − lerp(L(k), L(k+1), o))`. R is the column of the next ray,
 /// or the next column where the two rays share one. By the rule of the nearest voxel L is the sample's own, and w is 0.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Fan {
     /// Number of the first ray: the whole number at which it crosses the grid plane.
     pub first: i64,
@@ -23,13 +24,13 @@ pub struct Fan {
     /// Steps from plane to plane, fractions of [`SLOPE_FRACTION_BITS`].
     pub slopes: Vec<i64>,
     /// L of each ray, the rays of a depth together.
-    near: Vec<i32>,
+    pub(crate) near: Vec<i32>,
     /// R of each ray, likewise.
-    right: Vec<i32>,
+    pub(crate) right: Vec<i32>,
     /// Weights, fractions of the machine's weight bits, likewise.
-    weights: Vec<u32>,
+    pub(crate) weights: Vec<u32>,
     /// The rays, by their index, that have samples at a depth; one entry for each depth.
-    valid: Vec<[usize; 2]>,
+    pub(crate) valid: Vec<[usize; 2]>,
 }
 
 /// What the two fans of a pass share.
@@ -113,10 +114,23 @@ impl Fan {
         let from = (0..all).find(|&i| inside(i))?;
         let last = (from..all).rev().find(|&i| inside(i))?;
         let count = last + 1 - from;
-        let (starts, slopes) = (&rays.starts[from..=last + 1], &rays.slopes[from..=last + 1]);
+        let mut fan =
+            Fan::of(rays.first + from as i64, &rays.starts[from..=last + 1], &rays.slopes[from..=last + 1], shape);
+        // The ray that ends a fan which was cut has no neighbour on its right.
+        let whole = if rays.cut && last + 1 == all { count - 1 } else { count };
+        for k in shape.first_depth..shape.depths {
+            fan.valid[k] = fan.valid_at(k, shape, columns as i32, whole);
+        }
+        Some(fan)
+    }
+
+    /// The fan of rays by their places and slopes, without what is valid of it. The last of them has no entries: it is the next of the one
+    /// before it.
+    pub(crate) fn of(first: i64, starts: &[i64], slopes: &[i64], shape: &FanShape) -> Fan {
+        let count = starts.len() - 1;
         let size = count * shape.depths;
         let mut fan = Fan {
-            first: rays.first + from as i64,
+            first,
             starts: starts[..count].to_vec(),
             slopes: slopes[..count].to_vec(),
             near: vec![-1; size],
@@ -137,16 +151,11 @@ impl Fan {
                 fan.weights[place] = shape.weight(shape.position(starts[i], slopes[i], k), left_edge, right_edge);
             }
         }
-        // The ray that ends a fan which was cut has no neighbour on its right.
-        let whole = if rays.cut && last + 1 == all { count - 1 } else { count };
-        for k in shape.first_depth..shape.depths {
-            fan.valid[k] = fan.valid_at(k, shape, columns as i32, whole);
-        }
-        Some(fan)
+        fan
     }
 
     /// The rays with a sample at a depth: every voxel that it gives a weight to is in the volume.
-    fn valid_at(&self, k: usize, shape: &FanShape, columns: i32, whole: usize) -> [usize; 2] {
+    pub(crate) fn valid_at(&self, k: usize, shape: &FanShape, columns: i32, whole: usize) -> [usize; 2] {
         let far = if shape.offset == 0 { k } else { k + 1 };
         if far >= shape.depths {
             return [0, 0];

@@ -12,6 +12,7 @@ use std::ops::Range;
 /// base-plane pixel: u from `−X(n_w−1)` to `n_u − 1`. In perspective each ray has registers of its own, its number is the place
 /// at which it crosses the grid plane, and it has one slot for all depths; slopes and templates are then empty.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Geometry {
     /// n_u, n_v, n_w.
     pub size: [usize; 3],
@@ -37,6 +38,7 @@ pub struct Geometry {
 
 /// A discrete ray, by its base-plane pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct DiscreteRay {
     /// Column of the pixel, in a parallel frame −X(n_w−1) to n_u − 1.
     pub u: i64,

@@ -5,6 +5,7 @@
 
 mod axes;
 mod base_plane;
+mod check;
 mod coverage;
 mod ends;
 mod fan;
@@ -17,6 +18,7 @@ mod template;
 
 pub use axes::Axes;
 pub use base_plane::BasePlane;
+pub use check::{SetupError, SetupFileError};
 pub use coverage::Coverage;
 pub use ends::EndRegisters;
 pub use fan::{Fan, FanShape};

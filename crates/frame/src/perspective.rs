@@ -10,11 +10,11 @@ pub const PLACE_BITS: u32 = 16;
 
 /// Grid steps by which rays go beyond those that pictures show, so that the warp finds all neighbours at the edge; the gradients of those
 /// find theirs as many rays farther as they reach.
-const MARGIN: f64 = 1.0;
+pub(crate) const MARGIN: f64 = 1.0;
 
 /// Part of F by which the rays that pictures show go beyond a slope of 1 in near frames, so that the warp can pass from one base plane to the
 /// next over some width.
-const OVERLAP: f64 = 0.125;
+pub(crate) const OVERLAP: f64 = 0.125;
 
 /// The fans of a pass, and where its eye is.
 ///
@@ -22,6 +22,7 @@ const OVERLAP: f64 = 0.125;
 /// (g, h), and are `m(k) = (k − e_w) / F` apart at depth k. `F` is the eye's distance to the base plane w = 0, or half of the
 /// volume's depth where the eye is nearer: then rays are less than a voxel apart in front, and never more than 3 behind.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Perspective {
     /// Rays along u.
     pub u: Fan,
@@ -55,6 +56,11 @@ impl Perspective {
     /// The slope of the last ray beyond 1 that pictures show, where it is 1 and more: the other side of a joint begins at one over it.
     pub fn farthest_slope(&self) -> f64 {
         1.0 + f64::from(self.overlap) * self.spacing[1] as f64 / f64::from(1_u32 << SLOPE_FRACTION_BITS)
+    }
+
+    /// From a sample to the neighbours along u and v that its gradient reads, in voxels: what is [`Perspective::reach_at`] rays.
+    pub fn neighbour_spacing(&self, k: i64, offset: u32, weight_bits: u32) -> f64 {
+        self.spacing_at(k, offset, weight_bits) * f64::from(self.reach_at(k, offset, weight_bits))
     }
 
     /// How many rays at a plane, plus an offset, are about a voxel.
@@ -99,8 +105,10 @@ impl PassShape {
 }
 
 /// The distance of the grid plane from the eye, and its w: the base plane, or where the eye is nearer than `least`, that far behind it.
+///
+/// A plane that no register tells from the base plane is the base plane.
 fn grid(eye_w: f64, least: f64) -> (f64, f64) {
-    if -eye_w >= least { (-eye_w, 0.0) } else { (least, eye_w + least) }
+    if -eye_w >= least || register(eye_w + least) == 0 { (-eye_w, 0.0) } else { (least, eye_w + least) }
 }
 
 fn register(x: f64) -> i64 {
@@ -209,7 +217,7 @@ impl Geometry {
 }
 
 /// The largest legal offset for rays up to a slope: equation (3), and none where a ray is at 45° or steeper.
-fn largest_offset(rule: TemplateRule, steepest: i64, weight_bits: u32) -> u32 {
+pub(crate) fn largest_offset(rule: TemplateRule, steepest: i64, weight_bits: u32) -> u32 {
     let steepest = steepest.min(1 << SLOPE_FRACTION_BITS) as u32;
     crate::largest_offset(rule, [steepest; 2], weight_bits)
 }

@@ -1,14 +1,15 @@
 //! `FrameSetup`: what a driver writes into the machine's registers and tables. Nothing else enters the machine.
 
 use crate::perspective::PLACE_BITS;
-use crate::{EndRegisters, Geometry};
+use crate::{EndRegisters, Geometry, SLOPE_FRACTION_BITS};
 use cube3_machine::{ConeOrder, GradientMethod, Reuse};
-use cube3_scene::Mode;
-use cube3_word::{Probe, Words};
+use cube3_scene::{MOST_CUTS, Mode};
+use cube3_word::{Probe, Words, quantise_fraction};
 use serde::{Deserialize, Serialize};
 
 /// The registers and tables of one frame.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct FrameSetup {
     /// Version of this form: 1.
     pub schema: u32,
@@ -62,6 +63,7 @@ impl FrameSetup {
 /// What differs from ray to ray and from depth to depth of a perspective frame, each a table over one axis; rays are in the
 /// order of their slots.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct RayRegisters {
     /// Along u: the view vector of ray (i, j), against which light is measured, is `[view_u[i], view_v[j], view_w]` in world
     /// lengths, of any length. It points away from the eye, as the gradient does from a surface's normal.
@@ -102,6 +104,18 @@ impl RayRegisters {
     /// Most classes of step lengths.
     pub const MOST_CLASSES: u32 = 16;
 
+    /// The register for a ray's slope, which is a fraction of [`SLOPE_FRACTION_BITS`]: its size, at most 2.
+    pub fn slope_register(slope: i64) -> u32 {
+        let twice = slope.unsigned_abs() >> (SLOPE_FRACTION_BITS - Self::SLOPE_BITS - 1);
+        twice.div_ceil(2).min(2 << Self::SLOPE_BITS) as u32
+    }
+
+    /// The registers for closeness and nearness where neighbours along u and v are so far from each other, in voxels.
+    pub fn closeness_registers(spacing: f64) -> [u32; 2] {
+        let closeness = quantise_fraction(1.0 / spacing.max(1.0), Self::SLOPE_BITS);
+        [closeness, quantise_fraction(spacing, GradientScale::FACTOR_BITS)]
+    }
+
     /// The class of the step length of the ray in a slot.
     #[inline]
     pub fn length_class(&self, row: usize, column: usize) -> u32 {
@@ -121,6 +135,7 @@ impl RayRegisters {
 ///
 /// [`Geometry::evaluate`] gives its value at a sample of either.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Linear {
     /// Step from a ray to the next along u.
     pub u: i64,
@@ -133,6 +148,13 @@ pub struct Linear {
 }
 
 impl Linear {
+    /// Largest step of a parallel frame, either way: sums over any volume stay within 64 bits.
+    pub const STEEPEST: i64 = 1 << 46;
+    /// Largest step of a perspective frame, whose places have [`PLACE_BITS`] more bits than rays and depths.
+    pub const STEEPEST_BY_PLACE: i64 = 1 << (48 - PLACE_BITS);
+    /// Largest constant, either way. A plane farther away than this decides nothing.
+    pub const FARTHEST: i64 = 1 << 60;
+
     /// The value at a sample.
     #[inline(always)]
     pub fn at(&self, u: i64, v: i64, k: i64) -> i64 {
@@ -160,6 +182,7 @@ impl Linear {
 
 /// Samples where the function is 0 or more are kept. Fractions of [`HalfSpace::FRACTION_BITS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct HalfSpace {
     /// Signed distance from the plane, in voxels.
     pub distance: Linear,
@@ -168,6 +191,8 @@ pub struct HalfSpace {
 impl HalfSpace {
     /// Fraction bits of the distance.
     pub const FRACTION_BITS: u32 = 32;
+    /// Most half-spaces of a frame: those of the cuts, and the six faces of the crop box.
+    pub const MOST: usize = MOST_CUTS + 6;
 
     /// Of the rays `from` to `to`, the end not included, those whose sample `k` in plane `v` of a parallel frame is inside: the whole
     /// row at once. Where there are none, the end is not above the start.
@@ -186,6 +211,7 @@ impl HalfSpace {
 /// A factor 0 to 1, a fraction of [`LinearFactor::FRACTION_BITS`] of which the unit uses the leading
 /// [`LinearFactor::WORD_BITS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct LinearFactor {
     /// The factor before it is clamped to 0..1.
     pub factor: Linear,
@@ -207,6 +233,7 @@ impl LinearFactor {
 
 /// The classification tables.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Classification {
     /// Samples outside of these words, inclusive, are transparent.
     pub threshold: [u32; 2],
@@ -224,6 +251,7 @@ pub struct Classification {
 
 /// Rows of a two-dimensional opacity table: row = min(magnitude >> shift, rows − 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct GradientRows {
     /// Right shift of the magnitude.
     pub shift: u32,
@@ -233,6 +261,7 @@ pub struct GradientRows {
 
 /// Registers of the gradient unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct GradientRegisters {
     /// Which samples are read.
     pub method: GradientMethod,
@@ -248,6 +277,7 @@ pub struct GradientRegisters {
 /// Factors of the gradient's components: voxels that are not cubes, and estimators whose differences are taken over
 /// different lengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct GradientScale {
     /// Fractions of [`GradientScale::FACTOR_BITS`], 0 to 1.
     pub factors: [u32; 3],
@@ -273,6 +303,7 @@ impl GradientScale {
 /// A block-normalised gradient of `normal_bits` B has a squared length of `2^(2B−2)` to below `3·2^(2B)`; entry i is
 /// `2^(2B−1) / √m²` at the middle of the i-th bin of `2^(2B−2−root_bits)`, at most `2^B`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Normaliser {
     /// `11·2^root_bits` entries.
     pub root: Vec<u32>,
@@ -305,6 +336,7 @@ pub enum Shading {
 /// Integer Phong. Intensities are fractions of `colour_bits` (1 is `2^colour_bits`, below 16); directions are
 /// fractions of `normal_bits − 1`, against the gradient, in its frame.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Phong {
     /// Ambient intensity.
     pub ambient: u32,
@@ -319,6 +351,9 @@ pub struct Phong {
 }
 
 impl Phong {
+    /// Largest intensity.
+    pub const MOST_INTENSITY: u32 = 15;
+
     /// The table of powers for an exponent.
     pub fn powers(shininess: f64, power_bits: u32, colour_bits: u32) -> Vec<u32> {
         let steps = f64::from(1_u32 << power_bits);
@@ -329,6 +364,7 @@ impl Phong {
 
 /// One light of the Phong unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PhongLight {
     /// Towards the light, negated (the surface's normal is against the gradient).
     pub direction: [i32; 3],
@@ -342,6 +378,7 @@ pub struct PhongLight {
 
 /// A reflectance table: six faces of a cube, each `2^bits` squared.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ReflectanceTable {
     /// Bits of each coordinate on a face.
     pub bits: u32,
@@ -355,6 +392,7 @@ pub struct ReflectanceTable {
 
 /// Registers of the cone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ConeRegisters {
     /// What the nodes do.
     pub mode: Mode,

@@ -11,6 +11,7 @@ pub const SLOPE_FRACTION_BITS: u32 = 30;
 
 /// One axis of a parallel view: the column of each plane and the weight of each sample.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Template {
     /// X(k) for k = 0 to n_w inclusive; starts at 0 for an offset that the rule allows, never falls, steps by 0 or 1.
     pub columns: Vec<u32>,

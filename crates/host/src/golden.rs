@@ -2,8 +2,8 @@
 
 use crate::VolumeInfo;
 use cube3_frame::{
-    Axes, ConeRegisters, EndRegisters, Geometry, GradientRows, GradientScale, HalfSpace, Linear, LinearFactor,
-    PLACE_BITS, RayRegisters, SLOPE_FRACTION_BITS,
+    Axes, ConeRegisters, EndRegisters, Geometry, GradientRows, GradientScale, HalfSpace, Linear, LinearFactor, Phong,
+    RayRegisters, SLOPE_FRACTION_BITS,
 };
 use cube3_machine::{GradientMethod, MachineSpec};
 use cube3_scene::{Crop, Cut, DepthCue, Mode, Threshold, ViewFrame, corrected_opacity};
@@ -12,22 +12,18 @@ use cube3_word::{Words, quantise_fraction, unit_full, unit_resize};
 /// A function `normal · p + constant` of the voxel position, over rays and depths, or over places in perspective.
 pub(crate) fn linear(geometry: &Geometry, normal: [f64; 3], constant: f64, fraction_bits: u32) -> Linear {
     let one = (1_u64 << fraction_bits) as f64;
-    // A plane farther away than this decides nothing, and sums over any volume stay within 64 bits.
-    let quantise = |x: f64, most: f64| (x * one).clamp(-most, most).round() as i64;
-    let far = 2_f64.powi(60);
+    let quantise = |x: f64, most: i64| (x * one).clamp(-(most as f64), most as f64).round() as i64;
     if geometry.perspective.is_some() {
-        let steep = 2_f64.powi(48 - PLACE_BITS as i32);
-        let [u, v, k] = normal.map(|x| quantise(x, steep));
-        return Linear { u, v, k, constant: quantise(constant, far) };
+        let [u, v, k] = normal.map(|x| quantise(x, Linear::STEEPEST_BY_PLACE));
+        return Linear { u, v, k, constant: quantise(constant, Linear::FARTHEST) };
     }
     let [du, dv] = geometry.real_slopes();
     let along = normal[0] * du + normal[1] * dv + normal[2];
-    let steep = 2_f64.powi(46);
     Linear {
-        u: quantise(normal[0], steep),
-        v: quantise(normal[1], steep),
-        k: quantise(along, steep),
-        constant: quantise(constant + geometry.real_offset() * along, far),
+        u: quantise(normal[0], Linear::STEEPEST),
+        v: quantise(normal[1], Linear::STEEPEST),
+        k: quantise(along, Linear::STEEPEST),
+        constant: quantise(constant + geometry.real_offset() * along, Linear::FARTHEST),
     }
 }
 
@@ -246,17 +242,6 @@ pub(crate) fn is_unity(scale: &GradientScale) -> bool {
     scale.factors.iter().all(|&factor| factor == 1 << GradientScale::FACTOR_BITS)
 }
 
-/// The size of a slope, rounded to nearest, at most 2.
-pub(crate) fn slope_size(slope: i64) -> u32 {
-    let size = slope.unsigned_abs() >> (SLOPE_FRACTION_BITS - RayRegisters::SLOPE_BITS - 1);
-    (size.div_ceil(2) as u32).min(2 << RayRegisters::SLOPE_BITS)
-}
-
-/// 1 over the distance to the neighbours, for 1 and more.
-pub(crate) fn closeness(apart: f64) -> u32 {
-    quantise_fraction(1.0 / apart.max(1.0), RayRegisters::SLOPE_BITS)
-}
-
 /// A factor of a gradient's component, 0 to 1.
 pub(crate) fn factor(x: f64) -> u32 {
     quantise_fraction(x, GradientScale::FACTOR_BITS)
@@ -397,13 +382,13 @@ pub(crate) fn end_tables(alphas: &[f64], lengths: &[f64], mode: Mode, opacity_bi
     words
 }
 
-/// An intensity 0 to below 16 as a fraction of the colour bits.
+/// An intensity 0 to [`Phong::MOST_INTENSITY`] as a fraction of the colour bits.
 pub(crate) fn intensity(value: f64, colour_bits: u32) -> u32 {
     let one = f64::from(1_u32 << colour_bits);
-    (value.clamp(0.0, 15.0) * one).round() as u32
+    (value.clamp(0.0, f64::from(Phong::MOST_INTENSITY)) * one).round() as u32
 }
 
 /// An added intensity on the scale of a unit colour word.
 pub(crate) fn added(value: f64, colour_bits: u32) -> u32 {
-    (value.clamp(0.0, 15.0) * f64::from(cube3_word::unit_full(colour_bits))).round() as u32
+    (value.clamp(0.0, f64::from(Phong::MOST_INTENSITY)) * f64::from(cube3_word::unit_full(colour_bits))).round() as u32
 }

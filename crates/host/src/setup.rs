@@ -362,10 +362,10 @@ fn ray_registers(
     let [view_u, view_v] = [along(&pass.u.slopes, s[0]), along(&pass.v.slopes, s[1])];
     let largest = view_u.iter().chain(&view_v).fold(s[2], |most, x| most.max(x.abs()));
     let view = |x: f64| (x / largest * f64::from(1 << 28)).round() as i32;
-    let slope = |slopes: &[i64]| -> Vec<u32> { slopes.iter().map(|&slope| golden::slope_size(slope)).collect() };
+    let slope =
+        |slopes: &[i64]| -> Vec<u32> { slopes.iter().map(|&slope| RayRegisters::slope_register(slope)).collect() };
     let reach = |k: usize| pass.reach_at(k as i64, geometry.offset, geometry.weight_bits);
-    // From a sample to its neighbours along u and v.
-    let spacing = |k: usize| pass.spacing_at(k as i64, geometry.offset, geometry.weight_bits) * f64::from(reach(k));
+    let spacing = |k: usize| pass.neighbour_spacing(k as i64, geometry.offset, geometry.weight_bits);
     let depths = 0..geometry.size[2];
     let (scale, _) = basis.scale(method);
     RayRegisters {
@@ -382,7 +382,7 @@ fn ray_registers(
         length_classes: steps.lengths.len() as u32,
         slope_u: slope(&pass.u.slopes),
         slope_v: slope(&pass.v.slopes),
-        closeness: depths.clone().map(|k| golden::closeness(spacing(k))).collect(),
+        closeness: depths.clone().map(|k| RayRegisters::closeness_registers(spacing(k))[0]).collect(),
         factors: depths
             .clone()
             .map(|k| {
@@ -391,7 +391,7 @@ fn ray_registers(
             })
             .collect(),
         reach: pass.doubled.then(|| depths.clone().map(reach).collect()),
-        nearness: pass.doubled.then(|| depths.map(|k| golden::factor(spacing(k))).collect()),
+        nearness: pass.doubled.then(|| depths.map(|k| RayRegisters::closeness_registers(spacing(k))[1]).collect()),
     }
 }
 
