@@ -62,47 +62,6 @@ pub(crate) struct Rays {
     pub cut: bool,
 }
 
-impl FanShape {
-    /// The position of a sample, a fraction of slope and weight bits.
-    fn position(&self, start: i64, slope: i64, k: usize) -> i64 {
-        let steps = ((k as i64 - self.first_depth as i64) << self.weight_bits) + i64::from(self.offset);
-        (start << self.weight_bits) + steps * slope
-    }
-
-    /// The position of a ray at a plane, a fraction of slope bits.
-    fn at_plane(&self, start: i64, slope: i64, k: usize) -> i64 {
-        start + (k as i64 - self.first_depth as i64) * slope
-    }
-
-    /// The column of a ray at a depth from the first on: its floor at the sample or at the plane, or the nearest.
-    fn column(&self, start: i64, slope: i64, k: usize) -> i32 {
-        let column = match self.rule {
-            TemplateRule::SampleFloor => self.position(start, slope, k) >> (SLOPE_FRACTION_BITS + self.weight_bits),
-            TemplateRule::PlaneFloor => self.at_plane(start, slope, k) >> SLOPE_FRACTION_BITS,
-            TemplateRule::Nearest => {
-                (self.at_plane(start, slope, k) + (1 << (SLOPE_FRACTION_BITS - 1))) >> SLOPE_FRACTION_BITS
-            }
-        };
-        column as i32
-    }
-
-    /// `lerp(near, far, o)`, a fraction of the weight bits.
-    fn between(&self, near: i32, far: i32) -> i64 {
-        (i64::from(near) << self.weight_bits) + i64::from(far - near) * i64::from(self.offset)
-    }
-
-    /// The weight of a position between a left and a right edge, rounded to nearest; none where the left one is the nearest voxel.
-    fn weight(&self, position: i64, left: i64, right: i64) -> u32 {
-        if self.rule == TemplateRule::Nearest {
-            return 0;
-        }
-        let part = position - (left << SLOPE_FRACTION_BITS);
-        let whole = right - left;
-        ((part << self.weight_bits) + (whole << (SLOPE_FRACTION_BITS - 1))).div_euclid(whole << SLOPE_FRACTION_BITS)
-            as u32
-    }
-}
-
 impl Fan {
     /// The fan of `rays` in a volume of `columns` voxels along its axis; `None` where no ray meets a voxel.
     pub(crate) fn new(rays: Rays, shape: &FanShape, columns: usize) -> Option<Fan> {

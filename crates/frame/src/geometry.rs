@@ -192,13 +192,6 @@ impl Geometry {
         }
     }
 
-    fn ray_in(&self, slot: usize, n: usize, column: u32, shear: usize) -> i64 {
-        match self.slots {
-            RaySlots::Wrapped => slot as i64 - ((slot + column as usize) / n * n) as i64,
-            RaySlots::Padded => slot as i64 - shear as i64,
-        }
-    }
-
     /// The slot (plane, slot) of a ray.
     pub fn slot_of(&self, ray: DiscreteRay) -> [usize; 2] {
         match self.slots {

@@ -10,6 +10,7 @@ mod coverage;
 mod ends;
 mod fan;
 mod geometry;
+mod golden;
 mod perspective;
 mod registers;
 mod sample_bounds;
@@ -23,6 +24,7 @@ pub use coverage::Coverage;
 pub use ends::EndRegisters;
 pub use fan::{Fan, FanShape};
 pub use geometry::{DiscreteRay, Geometry};
+pub use golden::largest_offset;
 pub use perspective::{PLACE_BITS, PassShape, Perspective};
 pub use registers::{
     Classification, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, HalfSpace, Linear,
@@ -30,4 +32,4 @@ pub use registers::{
 };
 pub use sample_bounds::{BESIDE, RayStretches, SampleBounds};
 pub use sections::Sections;
-pub use template::{LARGEST_SIDE, SLOPE_FRACTION_BITS, Template, largest_offset, slope_register};
+pub use template::{LARGEST_SIDE, SLOPE_FRACTION_BITS, Template, slope_register};

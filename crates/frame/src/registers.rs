@@ -1,10 +1,10 @@
 //! `FrameSetup`: what a driver writes into the machine's registers and tables. Nothing else enters the machine.
 
 use crate::perspective::PLACE_BITS;
-use crate::{EndRegisters, Geometry, SLOPE_FRACTION_BITS};
+use crate::{EndRegisters, Geometry};
 use cube3_machine::{ConeOrder, GradientMethod, Reuse};
 use cube3_scene::{MOST_CUTS, Mode};
-use cube3_word::{Probe, Words, quantise_fraction};
+use cube3_word::Words;
 use serde::{Deserialize, Serialize};
 
 /// The registers and tables of one frame.
@@ -103,32 +103,6 @@ impl RayRegisters {
     pub const CLASS_SHIFT: u32 = 12;
     /// Most classes of step lengths.
     pub const MOST_CLASSES: u32 = 16;
-
-    /// The register for a ray's slope, which is a fraction of [`SLOPE_FRACTION_BITS`]: its size, at most 2.
-    pub fn slope_register(slope: i64) -> u32 {
-        let twice = slope.unsigned_abs() >> (SLOPE_FRACTION_BITS - Self::SLOPE_BITS - 1);
-        twice.div_ceil(2).min(2 << Self::SLOPE_BITS) as u32
-    }
-
-    /// The registers for closeness and nearness where neighbours along u and v are so far from each other, in voxels.
-    pub fn closeness_registers(spacing: f64) -> [u32; 2] {
-        let closeness = quantise_fraction(1.0 / spacing.max(1.0), Self::SLOPE_BITS);
-        [closeness, quantise_fraction(spacing, GradientScale::FACTOR_BITS)]
-    }
-
-    /// The class of the step length of the ray in a slot.
-    #[inline]
-    pub fn length_class(&self, row: usize, column: usize) -> u32 {
-        (self.length_u[column] + self.length_v[row]) >> Self::CLASS_SHIFT
-    }
-
-    /// How far a ray of a slope moves from a plane to the next, in units of the distance to its neighbours on the plane: a fraction of
-    /// `weight_bits`, at most 1.
-    #[inline(always)]
-    pub fn shear(slope: u32, closeness: u32, weight_bits: u32) -> u32 {
-        let bits = 2 * Self::SLOPE_BITS - weight_bits;
-        ((slope * closeness + (1 << (bits - 1))) >> bits).min(1 << weight_bits)
-    }
 }
 
 /// A linear function of ray and depth, `a·u + b·v + c·k + d`, in fixed point; in perspective of the place u, v, w in the volume.
@@ -154,30 +128,6 @@ impl Linear {
     pub const STEEPEST_BY_PLACE: i64 = 1 << (48 - PLACE_BITS);
     /// Largest constant, either way. A plane farther away than this decides nothing.
     pub const FARTHEST: i64 = 1 << 60;
-
-    /// The value at a sample.
-    #[inline(always)]
-    pub fn at(&self, u: i64, v: i64, k: i64) -> i64 {
-        self.at_wires(u, v, k, &mut ())
-    }
-
-    /// [`Linear::at`], and what its wires carry.
-    #[inline(always)]
-    pub fn at_wires(&self, u: i64, v: i64, k: i64, probe: &mut impl Probe) -> i64 {
-        let products = [self.u * u, self.v * v, self.k * k];
-        let value = products[0] + products[1] + products[2] + self.constant;
-        for (i, product) in products.into_iter().enumerate() {
-            probe.wire("product", i, product.into());
-        }
-        probe.wire("value", 0, value.into());
-        value
-    }
-
-    /// The value at a place of a perspective frame, whose coordinates are fractions of [`PLACE_BITS`].
-    #[inline(always)]
-    pub fn at_place(&self, [u, v, w]: [i64; 3]) -> i64 {
-        ((self.u * u + self.v * v + self.k * w) >> PLACE_BITS) + self.constant
-    }
 }
 
 /// Samples where the function is 0 or more are kept. Fractions of [`HalfSpace::FRACTION_BITS`].
@@ -193,19 +143,6 @@ impl HalfSpace {
     pub const FRACTION_BITS: u32 = 32;
     /// Most half-spaces of a frame: those of the cuts, and the six faces of the crop box.
     pub const MOST: usize = MOST_CUTS + 6;
-
-    /// Of the rays `from` to `to`, the end not included, those whose sample `k` in plane `v` of a parallel frame is inside: the whole
-    /// row at once. Where there are none, the end is not above the start.
-    pub fn interval(&self, v: i64, k: i64, [from, to]: [i64; 2]) -> [i64; 2] {
-        let step = self.distance.u;
-        let at_zero = self.distance.at(0, v, k);
-        match step.signum() {
-            1 => [from.max(-at_zero.div_euclid(step)), to],
-            -1 => [from, to.min(at_zero.div_euclid(-step) + 1)],
-            _ if at_zero < 0 => [from, from],
-            _ => [from, to],
-        }
-    }
 }
 
 /// A factor 0 to 1, a fraction of [`LinearFactor::FRACTION_BITS`] of which the unit uses the leading
@@ -222,13 +159,6 @@ impl LinearFactor {
     pub const FRACTION_BITS: u32 = 28;
     /// Fraction bits of the factor that multiplies.
     pub const WORD_BITS: u32 = 12;
-
-    /// The factor word at a sample, for the value of the linear function: 0 to `2^WORD_BITS`.
-    #[inline(always)]
-    pub fn word(value: i64) -> u32 {
-        let clamped = value.clamp(0, 1 << Self::FRACTION_BITS);
-        (clamped >> (Self::FRACTION_BITS - Self::WORD_BITS)) as u32
-    }
 }
 
 /// The classification tables.

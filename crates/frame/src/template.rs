@@ -1,5 +1,6 @@
 //! Templates: the steps of the discrete rays and the weights between them, in exact integers.
 
+use crate::golden;
 use cube3_machine::TemplateRule;
 use serde::{Deserialize, Serialize};
 
@@ -24,34 +25,11 @@ pub fn slope_register(slope: f64) -> u32 {
     cube3_word::quantise_fraction(slope, SLOPE_FRACTION_BITS)
 }
 
-/// The largest legal offset of a rule, as a fraction of `weight_bits` rounded down: equation (3) of the paper for the
-/// sample floor, just below 1 for the plane floor, and 0 for the nearest voxel.
-pub fn largest_offset(rule: TemplateRule, slopes: [u32; 2], weight_bits: u32) -> u32 {
-    match rule {
-        TemplateRule::SampleFloor => {
-            let room = (1_u64 << SLOPE_FRACTION_BITS) - u64::from(slopes[0].max(slopes[1]));
-            let bound = ((room << weight_bits) >> SLOPE_FRACTION_BITS) as u32;
-            bound.min((1 << weight_bits) - 1)
-        }
-        TemplateRule::PlaneFloor => (1 << weight_bits) - 1,
-        TemplateRule::Nearest => 0,
-    }
-}
-
 impl Template {
     /// The template of one axis with `depth` planes. `slope` is a register, `offset` a fraction of `weight_bits`.
     pub fn new(rule: TemplateRule, slope: u32, offset: u32, weight_bits: u32, depth: usize) -> Template {
-        let columns = (0..=depth).map(|k| column(rule, slope, offset, weight_bits, k)).collect();
-        if rule == TemplateRule::Nearest {
-            return Template { columns, weights: vec![0; depth] };
-        }
-        let weights = (0..depth)
-            .map(|k| {
-                let exact = exact_weight(rule, slope, offset, weight_bits, k);
-                let half = 1_i64 << (SLOPE_FRACTION_BITS - 1);
-                ((exact + half) >> SLOPE_FRACTION_BITS) as u32
-            })
-            .collect();
+        let columns = (0..=depth).map(|k| golden::column(rule, slope, offset, weight_bits, k)).collect();
+        let weights = (0..depth).map(|k| golden::weight(rule, slope, offset, weight_bits, k)).collect();
         Template { columns, weights }
     }
 
@@ -61,35 +39,11 @@ impl Template {
     }
 }
 
-/// X(k) in exact integers.
-fn column(rule: TemplateRule, slope: u32, offset: u32, weight_bits: u32, k: usize) -> u32 {
-    match rule {
-        TemplateRule::SampleFloor => {
-            (position(slope, offset, weight_bits, k) >> (SLOPE_FRACTION_BITS + weight_bits)) as u32
-        }
-        TemplateRule::PlaneFloor => ((k as u64 * u64::from(slope)) >> SLOPE_FRACTION_BITS) as u32,
-        TemplateRule::Nearest => {
-            ((k as u64 * u64::from(slope) + (1 << (SLOPE_FRACTION_BITS - 1))) >> SLOPE_FRACTION_BITS) as u32
-        }
-    }
-}
-
-/// The sample's displacement `(k+o)·du`, a fraction of slope and weight bits.
-fn position(slope: u32, offset: u32, weight_bits: u32, k: usize) -> u64 {
-    (((k as u64) << weight_bits) + u64::from(offset)) * u64::from(slope)
-}
-
-/// The weight before it is rounded, `p − lerp(X(k), X(k+1), o)`, a fraction of slope and weight bits.
-fn exact_weight(rule: TemplateRule, slope: u32, offset: u32, weight_bits: u32, k: usize) -> i64 {
-    let near = i64::from(column(rule, slope, offset, weight_bits, k));
-    let far = i64::from(column(rule, slope, offset, weight_bits, k + 1));
-    let left = (near << weight_bits) + (far - near) * i64::from(offset);
-    position(slope, offset, weight_bits, k) as i64 - (left << SLOPE_FRACTION_BITS)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::golden::exact_weight;
+    use crate::largest_offset;
     use proptest::prelude::*;
 
     fn in_unit(weight: i64, weight_bits: u32) -> bool {
