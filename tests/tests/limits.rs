@@ -43,7 +43,8 @@ fn every_row_limits_a_machine_and_its_name_is_given() {
         ),
         ("buffers", MachineSpec { dsb: Dsb { ports: 1, ..m.dsb }, ..m.clone() }, Some(2.0)),
         ("cone", MachineSpec { cone: Cone { kind: ConeKind::Accumulator }, ..m.clone() }, Some(SIDE as f64)),
-        ("channels", MachineSpec { channel: Channels { rays: narrow, ..m.channel }, ..m.clone() }, Some(2.0)),
+        // A token in two cycles and its credit in one more.
+        ("channels", MachineSpec { channel: Channels { rays: narrow, ..m.channel }, ..m.clone() }, Some(3.0)),
         // Pixels of eight bytes.
         ("host", MachineSpec { host_link: HostLink { bytes_per_cycle: Some(2.0) }, rays: padded, ..m.clone() }, None),
         ("drain", MachineSpec { frames: Frames { overlap: false }, ..m.clone() }, None),

@@ -208,8 +208,15 @@ fn every_interface_carries_what_its_tokens_hold() {
     let [voxel, sample] = [words.voxel_bits, words.sample_bits()].map(|bits| f64::from(bits) / 8.0);
     let colour = f64::from(3 * words.colour_bits + words.opacity_bits) / 8.0;
     let pixel = f64::from(4 * words.accumulator_bits.div_ceil(8));
-    // 16 planes of 16 slots, each of 16 samples; pixels are those of the padded base plane.
-    let [width, height] = setup(&machine, 16).geometry.base_plane_size();
+    // 16 planes of 16 slots, each of 16 samples; a pixel for each ray that meets a voxel.
+    let geometry = setup(&machine, 16).geometry;
+    let (first, [width, height]) = (geometry.first_ray(), geometry.base_plane_size());
+    let meets = |u: i64, v: i64| (0..16).any(|k| geometry.column_at(u, k).is_some() && geometry.row_at(v, k).is_some());
+    let rows = first.v..first.v + height as i64;
+    let pixels = rows
+        .flat_map(|v| (first.u..first.u + width as i64).map(move |u| [u, v]))
+        .filter(|[u, v]| meets(*u, *v))
+        .count();
     let samples = 16.0_f64.powi(3);
     let carried: f64 = counters.links.iter().map(|link| link.carried() as f64).sum();
     assert!(carried > 0.0);
@@ -219,7 +226,7 @@ fn every_interface_carries_what_its_tokens_hold() {
         ("buffers to interpolation", Some(2.0 * 16.0 * voxel), 2.0 * samples * voxel),
         ("interpolation to shading", Some(16.0 * sample), samples * sample),
         ("shading to cone", Some(16.0 * colour), samples * colour),
-        ("cone to host", Some(24.0), (width * height) as f64 * pixel),
+        ("cone to host", Some(24.0), pixels as f64 * pixel),
         ("links between boards", Some(2.0 * 2.0 * 8.0 * voxel), carried * voxel),
     ];
     let seconds = counters.cycles as f64 / machine.clock_hz;
