@@ -145,6 +145,17 @@ proptest! {
     }
 }
 
+/// A half-space whose edge runs along a row keeps the row on the edge.
+#[test]
+fn a_row_on_the_edge_is_inside() {
+    for (constant, rays) in [(-1, 0), (0, 9), (1, 9)] {
+        let half = HalfSpace { distance: Linear { u: 0, v: 3, k: -1, constant } };
+        // 3·1 − 3 and the constant.
+        let [start, end] = half.interval(1, 3, [-4, 5]);
+        assert_eq!((end - start).max(0), rays, "{constant}");
+    }
+}
+
 /// A step's class is the sum of the parts of its squared length along u and v.
 #[test]
 fn a_class_is_the_sum_of_two_parts() {

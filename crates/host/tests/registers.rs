@@ -45,9 +45,10 @@ fn directions() -> impl Strategy<Value = [f64; 3]> {
 }
 
 fn views() -> impl Strategy<Value = View> {
-    (directions(), prop::option::weighted(0.3, [-9.0..15.0_f64, -9.0..15.0_f64, -9.0..15.0_f64])).prop_map(
+    (directions(), prop::option::weighted(0.5, [-3.0..8.0_f64, -3.0..8.0_f64, -3.0..8.0_f64])).prop_map(
         |(direction, eye_voxel)| {
-            let perspective = eye_voxel.map(|eye| Perspective { eye_voxel: Some(eye), ..Perspective::new(50.0) });
+            // So wide that some pictures need passes along several axes.
+            let perspective = eye_voxel.map(|eye| Perspective { eye_voxel: Some(eye), ..Perspective::new(110.0) });
             View { perspective, ..View::from_direction(direction, None) }
         },
     )
