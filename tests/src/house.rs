@@ -18,6 +18,7 @@ pub const FLOORS: &[(&str, &[&str])] = &[
     ("units", &["trilin"]),
     ("units", &["abc"]),
     ("units", &["cone"]),
+    ("definition", &["definition"]),
     ("systems", &["raycast"]),
     ("tools", &["vectors", "report"]),
     ("command", &["sim"]),
@@ -25,8 +26,10 @@ pub const FLOORS: &[(&str, &[&str])] = &[
 ];
 
 /// Rooms that must not use another, though it is below them, each with the reason.
-pub const WALLS: &[(&[&str], &str, &str)] =
-    &[(&["cfb", "dsb", "trilin", "abc", "cone"], "host", "a unit knows registers, and not who makes them")];
+pub const WALLS: &[(&[&str], &str, &str)] = &[
+    (&["cfb", "dsb", "trilin", "abc", "cone"], "host", "a unit knows registers, and not who makes them"),
+    (&["definition"], "host", "a frame is what its registers say, whoever made them"),
+];
 
 /// The rooms of a workspace, each with those that it uses.
 #[derive(Clone, Debug, PartialEq, Eq)]
