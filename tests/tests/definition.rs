@@ -53,7 +53,7 @@ fn assert_defined((machine, scene, volume): &(MachineSpec, Scene, SmallVolume), 
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(600))]
+    #![proptest_config(ProptestConfig::with_cases(1500))]
 
     #[test]
     fn every_pixel_of_a_parallel_frame_is_what_the_definitions_say(case in parallel(), plan: bool) {
