@@ -1,9 +1,9 @@
 //! How far the machine's gradients are from the true ones, where the scene shows a surface.
 
-use cube3_abc::golden::{Local, Neighbourhood, behind_the_eye, classify_in, local_gradient, normalise};
+use cube3_abc::golden::{classify_in, in_place, normalise};
+use cube3_definition::Definition;
 use cube3_frame::{DiscreteRay, FrameSetup, Perspective, SLOPE_FRACTION_BITS};
 use cube3_host::{Basis, whole_step_opacity};
-use cube3_trilin::golden::{Weights, cell, lift};
 use cube3_volume::VoxelWords;
 use glam::DVec3;
 
@@ -29,7 +29,7 @@ fn gradient_pairs(setup: &FrameSetup, volume: &VoxelWords) -> Vec<([f64; 3], [f6
     let [width, height] = geometry.base_plane_size();
     let fits = |stride: &usize| width.div_ceil(*stride) * height.div_ceil(*stride) <= MOST_RAYS;
     let stride = (1..).find(fits).unwrap_or(1);
-    let machine = Samples { setup, volume };
+    let defined = Definition::new(setup, &volume.words);
     let whole = match &setup.ends {
         Some(_) => whole_step_opacity(setup.cone.mode, &setup.words, geometry.bounding_planes()),
         None => cube3_word::unit_full(setup.words.opacity_bits),
@@ -47,16 +47,10 @@ fn gradient_pairs(setup: &FrameSetup, volume: &VoxelWords) -> Vec<([f64; 3], [f6
             let first = geometry.first_ray();
             let ray = DiscreteRay { u: first.u + column as i64, v: first.v + row as i64 };
             let class = setup.rays.as_ref().map_or(0, |rays| rays.length_class(row, column));
-            let gradient = |k: i64| {
-                let local = Local::new([ray.u, ray.v, k], registers, setup);
-                let around = behind_the_eye(&machine.around(ray, k, registers.border), [ray.u, ray.v, k], setup);
-                local_gradient(&around, registers, &local, &setup.words).value
-            };
+            let gradient = |k: i64| defined.gradient(ray, k).unwrap_or_default();
             let opaque = |k: &usize| {
                 let (k, table) = (*k as i64, &setup.classification);
-                let inside =
-                    || setup.clips.iter().all(|clip| geometry.evaluate(&clip.distance, [ray.u, ray.v, k]) >= 0);
-                let Some(sample) = machine.sample(ray, k).filter(|_| inside()) else {
+                let Some(sample) = defined.sample(ray, k).filter(|_| in_place(ray, k, setup)) else {
                     return false;
                 };
                 let magnitude = match (&table.gradient_rows, &setup.normaliser) {
@@ -73,42 +67,6 @@ fn gradient_pairs(setup: &FrameSetup, volume: &VoxelWords) -> Vec<([f64; 3], [f6
         }
     }
     pairs
-}
-
-/// Samples of the machine, one at a time.
-pub(crate) struct Samples<'a> {
-    pub(crate) setup: &'a FrameSetup,
-    pub(crate) volume: &'a VoxelWords,
-}
-
-impl Samples<'_> {
-    /// Sample k of a ray and its neighbours.
-    pub(crate) fn around(&self, ray: DiscreteRay, k: i64, border: i32) -> Neighbourhood {
-        let apart = self.setup.reach(k as usize);
-        let beside = |u: i64, v: i64| DiscreteRay { u: ray.u + u * apart, v: ray.v + v * apart };
-        [-1, 0, 1].map(|w| [-1, 0, 1].map(|v| [-1, 0, 1].map(|u| self.sample(beside(u, v), k + w).unwrap_or(border))))
-    }
-
-    fn sample(&self, ray: DiscreteRay, k: i64) -> Option<i32> {
-        let geometry = &self.setup.geometry;
-        if !geometry.has_sample(ray, k) {
-            return None;
-        }
-        let k = k as usize;
-        let corners = [0, 1].map(|w| {
-            [0, 1].map(|v| {
-                [0, 1].map(|u| {
-                    geometry.corner(ray, k, [w, v, u]).map_or(0, |uvw| {
-                        let [x, y, z] = geometry.axes.voxel(geometry.size, uvw);
-                        lift(self.volume.word(x, y, z), &self.setup.words)
-                    })
-                })
-            })
-        });
-        let [u, v] = geometry.weights(ray, k);
-        let weights = Weights { w: geometry.offset, u, v };
-        Some(cell(corners, weights, &self.setup.words))
-    }
 }
 
 /// Central differences, a voxel to either side, of the trilinear interpolation; in the world. Beyond the volume is word 0.

@@ -8,18 +8,15 @@ use crate::fidelity::Timing;
 use crate::machine::{Machine, RunError};
 use crate::trace::{self, Recorder};
 use cube3_abc::AbcSpec;
-use cube3_abc::golden::{
-    Light, Local, Neighbourhood, Normal, Shaded, behind_the_eye, classify_in, halfway, lit, local_gradient, normalise,
-    opacity_class, phong_from, reflectance, shade, view_vector,
-};
+use cube3_abc::golden::{Light, Local, Neighbourhood, Stages};
 use cube3_cfb::golden::Skew;
 use cube3_cfb::{FrameBuffer, FrameBufferError, Piece, scan};
-use cube3_cone::golden::Segment;
-use cube3_cone::golden::{Node, combine, leaf, pixel, reduce};
+use cube3_cone::golden::{Node, Segment, combine};
 use cube3_cone::{place_of_circle, segments};
-use cube3_frame::{BasePlane, DiscreteRay, FrameSetup, GradientScale, LinearFactor, Phong, Sections, Shading};
+use cube3_definition::Definition;
+use cube3_frame::{DiscreteRay, FrameSetup, GradientScale, HalfSpace, Phong, Sections, Shading};
 use cube3_machine::{ConeOrder, GradientMethod, MachineSpec, RaySlots};
-use cube3_trilin::golden::{Weights, cell, lift};
+use cube3_trilin::golden::lift;
 use cube3_vectors::{ExpressionError, Format, Set, Tables, Unit, Vectors};
 use std::ops::ControlFlow::{self, Break, Continue};
 
@@ -171,7 +168,7 @@ impl<'a> Recording<'a> {
             let (machine, place) = channel(run, window)?;
             let reading = machine.counters().channels[place];
             (format.capacity, format.latency) = (reading.capacity as u32, reading.latency as u32);
-        } else if let Some(reason) = (Frame { run, setup }).idle(name) {
+        } else if let Some(reason) = Frame::new(run, setup).idle(name) {
             return Err(RecordError::Idle { unit: name, reason });
         }
         let set = Set::with_tables(unit, format, 0, tables(setup, name, unit, &format))?;
@@ -197,7 +194,7 @@ impl<'a> Recording<'a> {
         if name == "channel" {
             return cycles(run, window, &mut checked);
         }
-        let frame = Frame { run, setup: &run.frames[window.frame] };
+        let frame = Frame::new(run, &run.frames[window.frame]);
         let mut failed = None;
         let mut lines = Lines {
             first: window.first,
@@ -234,25 +231,6 @@ pub fn record(run: &Run<'_>, unit: &dyn Unit, window: &Window<'_>) -> Result<Vec
         Ok::<(), RecordError>(())
     })?;
     Ok(Vectors::of(unit, recording.set, inputs))
-}
-
-/// The base plane of a frame by the definitions alone, sample by sample and ray by ray: no beam, no token, no lanes.
-///
-/// # Errors
-/// A frame that is not there.
-pub fn defined_base_plane(run: &Run<'_>, frame: usize) -> Result<BasePlane, RecordError> {
-    let setup = run.frames.get(frame).ok_or(RecordError::Frame { frame, frames: run.frames.len() })?;
-    let frame = Frame { run, setup };
-    let (cone, words, geometry) = (&setup.cone, &setup.words, &setup.geometry);
-    let mut base = BasePlane::empty(geometry, words.accumulator_bits);
-    let first = geometry.first_ray();
-    for (place, word) in base.pixels.iter_mut().enumerate() {
-        let [row, column] = [place / base.width, place % base.width].map(|i| i as i64);
-        let ray = DiscreteRay { u: first.u + column, v: first.v + row };
-        let leaves: Vec<Node> = (0..geometry.size[2]).map(|k| leaf(&frame.shaded(ray, k), cone, words)).collect();
-        *word = pixel(reduce(&leaves, cone, words), cone, words).value;
-    }
-    Ok(base)
 }
 
 /// Whether the unit's vectors hold a line.
@@ -362,9 +340,14 @@ fn fields<T: Into<i128> + Copy>(line: &mut Vec<i128>, words: &[T]) {
 struct Frame<'a> {
     run: &'a Run<'a>,
     setup: &'a FrameSetup,
+    definition: Definition<'a>,
 }
 
-impl Frame<'_> {
+impl<'a> Frame<'a> {
+    fn new(run: &'a Run<'a>, setup: &'a FrameSetup) -> Frame<'a> {
+        Frame { run, setup, definition: Definition::new(setup, run.voxels) }
+    }
+
     /// Why the frame does not use a unit, where it does not.
     fn idle(&self, unit: &str) -> Option<String> {
         let setup = self.setup;
@@ -415,7 +398,7 @@ impl Frame<'_> {
                     Continue(())
                 }
             }),
-            "leaf" => self.places(self.shaded_slots(), |_, k, ray| lines.add(|| self.leaf_line(&self.shaded(ray, k)))),
+            "leaf" => self.places(self.shaded_slots(), |_, k, ray| lines.add(|| self.leaf_line(ray, k))),
             "node" | "pixel" | "cone" => self.rays(unit, lines),
             _ => self.places(self.shaded_slots(), |_, k, ray| {
                 if self.setup.geometry.has_sample(ray, k as i64) {
@@ -493,25 +476,9 @@ impl Frame<'_> {
         }))
     }
 
-    /// The voxel words around a sample: `[w][v][u]`.
-    fn voxels(&self, ray: DiscreteRay, k: usize) -> [[[u16; 2]; 2]; 2] {
-        let (geometry, [nx, ny, _]) = (&self.setup.geometry, self.run.dims);
-        [0, 1].map(|w| {
-            [0, 1].map(|v| {
-                [0, 1].map(|u| {
-                    let voxel = geometry.corner(ray, k, [w, v, u]).and_then(|uvw| {
-                        let [x, y, z] = geometry.axes.voxel(geometry.size, uvw);
-                        self.run.voxels.get(x + nx * (y + ny * z))
-                    });
-                    voxel.copied().unwrap_or(0)
-                })
-            })
-        })
-    }
-
     fn interpolation(&self, unit: &str, ray: DiscreteRay, k: usize) -> Vec<i128> {
         let (geometry, words) = (&self.setup.geometry, &self.setup.words);
-        let voxels = self.voxels(ray, k);
+        let voxels = self.definition.corners(ray, k);
         if unit == "lerp" {
             let [near, far] = [0, 1].map(|w| i128::from(lift(voxels[w][0][0], words)));
             return vec![near, far, geometry.offset.into()];
@@ -523,140 +490,57 @@ impl Frame<'_> {
         line
     }
 
-    /// The sample k of a ray, where it is in the volume.
-    fn sample(&self, ray: DiscreteRay, k: i64) -> Option<i32> {
-        let geometry = &self.setup.geometry;
-        if !geometry.has_sample(ray, k) {
-            return None;
-        }
-        let corners = self.voxels(ray, k as usize).map(|w| w.map(|v| v.map(|word| lift(word, &self.setup.words))));
-        let [u, v] = geometry.weights(ray, k as usize);
-        Some(cell(corners, Weights { w: geometry.offset, u, v }, &self.setup.words))
-    }
-
-    fn around(&self, ray: DiscreteRay, k: i64) -> Neighbourhood {
-        let border = self.setup.gradient.map_or(0, |registers| registers.border);
-        let apart = self.setup.reach(k as usize);
-        let beside = |u: i64, v: i64| DiscreteRay { u: ray.u + u * apart, v: ray.v + v * apart };
-        [-1, 0, 1].map(|w| [-1, 0, 1].map(|v| [-1, 0, 1].map(|u| self.sample(beside(u, v), k + w).unwrap_or(border))))
-    }
-
-    /// What the ABC unit makes of a depth of a slot.
-    fn shaded(&self, ray: DiscreteRay, k: usize) -> Shaded {
-        if !self.setup.geometry.has_sample(ray, k as i64) {
-            return Shaded::default();
-        }
-        shade(&self.around(ray, k as i64), [ray.u, ray.v, k as i64], self.setup).value
-    }
-
-    /// The stages of shading that a sample of the volume goes through, in the order of [`shade`]: adds the line of the unit asked for.
+    /// The stages of shading that a sample goes through: adds the line of the unit asked for, where the sample gets to it.
     fn shading(&self, unit: &str, ray: DiscreteRay, k: usize, lines: &mut Lines<'_>) -> ControlFlow<()> {
-        let setup = self.setup;
-        let (words, geometry) = (&setup.words, &setup.geometry);
         let at = [ray.u, ray.v, k as i64];
-        let mut inside = true;
-        for clip in &setup.clips {
-            inside &= geometry.evaluate(&clip.distance, at) >= 0;
-            if unit == "clip" {
-                let distance = &clip.distance;
+        if unit == "clip" {
+            return self.setup.clips.iter().try_for_each(|HalfSpace { distance }| {
                 let steps = [distance.u, distance.v, distance.k, distance.constant];
-                lines.add(|| at.into_iter().chain(steps).map(i128::from).collect())?;
-            }
+                lines.add(|| at.into_iter().chain(steps).map(i128::from).collect())
+            });
         }
-        if !inside || unit == "clip" {
-            return Continue(());
-        }
-        let mut gradient = [0; 3];
-        let mut sample = None;
-        if let Some(registers) = &setup.gradient {
-            let around = behind_the_eye(&self.around(ray, k as i64), at, self.setup);
-            let local = Local::new(at, registers, setup);
-            if unit == gradient_unit(registers.method) {
-                return lines.add(|| gradient_line(&around, &local));
-            }
-            gradient = local_gradient(&around, registers, &local, words).value;
-            sample = Some(around[1][1][1]);
-        }
-        let sample = sample.or_else(|| self.sample(ray, k as i64)).unwrap_or(0);
-        let mut normal = Normal { direction: [0; 3], magnitude: 0 };
-        if let Some(table) = &setup.normaliser {
-            if unit == "normalise" {
-                return lines.add(|| gradient.map(i128::from).to_vec());
-            }
-            normal = normalise(gradient, table, words);
-        }
-        let [row, column] = if setup.rays.is_some() { geometry.slot_of(ray) } else { [0; 2] };
-        let class = opacity_class(at, setup);
-        let table = &setup.classification;
-        if unit == "classify" {
-            return lines.add(|| {
+        let stages = self.definition.stages(ray, k as i64).filter(|stages| !stages.outside);
+        let line = stages.and_then(|stages| self.stage_line(unit, &stages));
+        line.map_or(Continue(()), |line| lines.add(|| line))
+    }
+
+    /// What a stage of shading is given.
+    fn stage_line(&self, unit: &str, stages: &Stages) -> Option<Vec<i128>> {
+        let lit = stages.classified.filter(|(opacity, _)| *opacity > 0);
+        let mut line = Vec::new();
+        match unit {
+            "normalise" => fields(&mut line, &stages.gradient),
+            "classify" => {
+                let table = &self.setup.classification;
                 let [low, high] = table.threshold;
                 let shift = table.gradient_rows.map_or(0, |rows| rows.shift);
-                let mut line = vec![sample.into()];
-                fields(&mut line, &[normal.magnitude, class, low, high, shift]);
-                line
-            });
-        }
-        let Some((opacity, colour)) = classify_in(class, sample, normal.magnitude, table) else {
-            return Continue(());
-        };
-        if opacity == 0 {
-            return Continue(());
-        }
-        let mut coloured = colour;
-        let light = match &setup.shading {
-            Some(Shading::Phong(phong)) => {
-                let towards = self.towards(phong, row, column);
-                if unit == "phong" {
-                    return lines.add(|| phong_line(normal.direction, phong, &towards));
-                }
-                Some(phong_from(normal.direction, phong, |light| towards[light], words))
+                line.push(stages.shaded.value.sample.into());
+                fields(&mut line, &[stages.normal.magnitude, stages.class, low, high, shift]);
             }
-            Some(Shading::Table(table)) => {
-                if unit == "reflectance" {
-                    return lines.add(|| {
-                        let mut line = gradient.map(i128::from).to_vec();
-                        fields(&mut line, &[table.flat]);
-                        line
-                    });
-                }
-                Some(reflectance(gradient, table))
+            "phong" => {
+                let (_, Some(Shading::Phong(phong))) = (lit?, &self.setup.shading) else { return None };
+                line = phong_line(stages.normal.direction, phong, &stages.towards);
             }
-            None => None,
-        };
-        if let Some(light) = light {
-            if unit == "lit" {
-                return lines.add(|| lit_line(colour, light));
+            "reflectance" => {
+                let (_, Some(Shading::Table(table))) = (lit?, &self.setup.shading) else { return None };
+                fields(&mut line, &stages.gradient);
+                fields(&mut line, &[table.flat]);
             }
-            coloured = lit(colour, light, words).value;
+            "lit" => line = lit_line(lit?.1, stages.light?),
+            "cue" => {
+                fields(&mut line, &stages.lit);
+                fields(&mut line, &[stages.cue?]);
+            }
+            _ => {
+                let (around, local) = stages.around.as_ref()?;
+                line = gradient_line(around, local);
+            }
         }
-        if let Some(cue) = &setup.depth_cue
-            && unit == "cue"
-        {
-            return lines.add(|| {
-                let mut line = coloured.map(i128::from).to_vec();
-                fields(&mut line, &[LinearFactor::word(geometry.evaluate(&cue.factor, at))]);
-                line
-            });
-        }
-        Continue(())
+        Some(line)
     }
 
-    /// The direction of each light and what is halfway between it and the eye, for the ray in a slot.
-    fn towards(&self, phong: &Phong, row: usize, column: usize) -> Vec<[[i32; 3]; 2]> {
-        let words = &self.setup.words;
-        let (Some(rays), Some(table)) = (&self.setup.rays, &self.setup.normaliser) else {
-            return phong.lights.iter().map(|light| [light.direction, light.halfway]).collect();
-        };
-        let view = view_vector(row, column, rays, table, words);
-        let towards = |(light, &at_eye): (&cube3_frame::PhongLight, &bool)| {
-            if at_eye { [view; 2] } else { [light.direction, halfway(light.direction, view, table, words)] }
-        };
-        phong.lights.iter().zip(&rays.at_eye).map(towards).collect()
-    }
-
-    fn leaf_line(&self, shaded: &Shaded) -> Vec<i128> {
-        let cone = &self.setup.cone;
+    fn leaf_line(&self, ray: DiscreteRay, k: usize) -> Vec<i128> {
+        let (cone, shaded) = (&self.setup.cone, self.definition.shade(ray, k as i64).value);
         let mut line = vec![cone.mode.code().into(), cone.opaque.into()];
         if shaded.present {
             line.extend([1, shaded.sample.into(), shaded.opacity.into()]);
@@ -673,7 +557,7 @@ impl Frame<'_> {
         let (cone, words, geometry) = (&setup.cone, &setup.words, &setup.geometry);
         let mode = cone.mode.code().into();
         for [plane, slot] in self.shaded_slots() {
-            let at = |k: usize| leaf(&self.shaded(geometry.ray_in_slot(plane, slot, k), k), cone, words);
+            let at = |k: usize| self.definition.leaf(geometry.ray_in_slot(plane, slot, k), k as i64);
             if unit == "cone" {
                 for chunk in (0..geometry.size[2]).step_by(cone.leaves) {
                     lines.add(|| self.circle_line([plane, slot, chunk], at))?;

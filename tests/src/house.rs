@@ -18,6 +18,7 @@ pub const FLOORS: &[(&str, &[&str])] = &[
     ("units", &["trilin"]),
     ("units", &["abc"]),
     ("units", &["cone"]),
+    ("definition", &["definition"]),
     ("references", &["reference"]),
     ("references", &["twin"]),
     ("tools", &["vectors", "report"]),
@@ -28,6 +29,7 @@ pub const FLOORS: &[(&str, &[&str])] = &[
 /// Rooms that must not use another, though it is below them, each with the reason.
 pub const WALLS: &[(&[&str], &str, &str)] = &[
     (&["cfb", "dsb", "trilin", "abc", "cone"], "host", "a unit knows registers, and not who makes them"),
+    (&["definition"], "host", "a frame is what its registers say, whoever made them"),
     (&["reference", "twin"], "host", "what is measured with does not run what is measured"),
     (&["reference"], "frame", "image order knows scene and volume alone"),
     (&["reference"], "machine", "image order knows scene and volume alone"),

@@ -2,12 +2,12 @@
 
 use cube3::function::{CanonicalVolume, render};
 use cube3::machine::Machine;
+use cube3_definition::Definition;
 use cube3_frame::{BasePlane, DiscreteRay, FrameSetup};
 use cube3_host::{VolumeInfo, picture_setup};
 use cube3_machine::MachineSpec;
 use cube3_scene::{ColourPoint, Image, Material, Mode, Perspective, Scene, Transfer, View, VolumeSource};
 use cube3_tests::{SmallVolume, directions, for_perspective, from_eye, machines, perspectives, volumes};
-use cube3_trilin::golden::{Weights, cell, lift};
 use cube3_twin::{Interpolation, RaySamples};
 use cube3_volume::{Volume, WordConversion};
 use cube3_word::{quantise_unit, unit_resize};
@@ -73,26 +73,6 @@ fn nearest(setup: &FrameSetup, volume: &SmallVolume, ray: DiscreteRay, k: usize)
     Some(volume.words[x + volume.dims[0] * (y + volume.dims[1] * z)])
 }
 
-fn rays(setup: &FrameSetup) -> impl Iterator<Item = DiscreteRay> {
-    let first = setup.geometry.first_ray();
-    let [width, height] = setup.geometry.base_plane_size();
-    (0..height * width).map(move |i| DiscreteRay { u: first.u + (i % width) as i64, v: first.v + (i / width) as i64 })
-}
-
-/// A sample word by the definition of the interpolation.
-fn sample(setup: &FrameSetup, dims: [usize; 3], words: &[u16], ray: DiscreteRay, k: usize) -> i32 {
-    let geometry = &setup.geometry;
-    let corner = |w, v, u| {
-        geometry.corner(ray, k, [w, v, u]).map_or(0, |uvw| {
-            let [x, y, z] = geometry.axes.voxel(geometry.size, uvw);
-            lift(words[x + dims[0] * (y + dims[1] * z)], &setup.words)
-        })
-    };
-    let corners = [0, 1].map(|w| [0, 1].map(|v| [0, 1].map(|u| corner(w, v, u))));
-    let [u, v] = geometry.weights(ray, k);
-    cell(corners, Weights { w: geometry.offset, u, v }, &setup.words)
-}
-
 /// The pixel of a ray through these labels, one after another: the colour of the first that is opaque, or of the largest.
 fn pixel(setup: &FrameSetup, mode: Mode, mut labels: impl Iterator<Item = u16>) -> [u32; 4] {
     let shown = match mode {
@@ -122,17 +102,18 @@ proptest! {
         let (_, words, info) = load(&machine, &volume);
         for setup in picture_setup(&scene, &machine, &info, true).unwrap().setups {
             let geometry = &setup.geometry;
+            let defined = Definition::new(&setup, &words);
             let (mut samples, eye_depth) = (0, geometry.perspective.as_ref().map_or(0, |pass| pass.first_depth));
-            for ray in rays(&setup) {
+            for ray in defined.rays() {
                 for k in 0..geometry.size[2] {
-                    if !geometry.has_sample(ray, k as i64) {
+                    let Some(sample) = defined.sample(ray, k as i64) else {
                         // A ray at the edge of a fan may be there for its neighbour's sake alone.
                         prop_assert!(from_an_eye || nearest(&setup, &volume, ray, k).is_none());
                         continue;
-                    }
+                    };
                     samples += 1;
                     prop_assert!(k >= eye_depth);
-                    let word = sample(&setup, volume.dims, &words, ray, k) >> machine.words.sample_fraction_bits;
+                    let word = sample >> machine.words.sample_fraction_bits;
                     let label = nearest(&setup, &volume, ray, k).unwrap();
                     let voxel = words[volume.words.iter().position(|&other| other == label).unwrap()];
                     prop_assert_eq!(word, i32::from(voxel));
@@ -168,7 +149,7 @@ proptest! {
                 pixel(setup, mode, labels)
             };
             let [width, height] = setup.geometry.base_plane_size();
-            let pixels = rays(setup).map(walk).collect();
+            let pixels = Definition::new(setup, &words).rays().map(walk).collect();
             prop_assert_eq!(function, BasePlane { width, height, bits: machine.words.accumulator_bits, pixels });
         }
     }
@@ -176,11 +157,11 @@ proptest! {
     /// The references take the same voxels as the machine, *true* and *sheared* alike.
     #[test]
     fn references_at_the_machines_samples_have_its_labels((machine, volume, direction, _) in case()) {
-        let (data, _, info) = load(&machine, &volume);
+        let (data, words, info) = load(&machine, &volume);
         let setups = picture_setup(&scene(direction, Mode::Composite), &machine, &info, true).unwrap().setups;
         for interpolation in [Interpolation::Exact, Interpolation::Sheared] {
             let samples = RaySamples::new(&data, &setups[0].geometry, interpolation, 0.0).unwrap();
-            for ray in rays(&setups[0]) {
+            for ray in Definition::new(&setups[0], &words).rays() {
                 for k in 0..setups[0].geometry.size[2] {
                     let expected = nearest(&setups[0], &volume, ray, k).map(f64::from);
                     prop_assert_eq!(samples.sample(ray, k as i64), expected);

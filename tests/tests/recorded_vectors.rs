@@ -7,15 +7,17 @@ use cube3_abc::golden::{Local, classify_in, direction_index, lit, local_gradient
 use cube3_cone::Pixels;
 use cube3_cone::golden::{Node, leaf, pixel};
 use cube3_cone::segments;
+use cube3_definition::Definition;
 use cube3_frame::{FrameSetup, LinearFactor, Phong, PhongLight, Sections, Shading};
 use cube3_host::picture_setup;
 use cube3_machine::{ConeOrder, GradientMethod, MachineSpec, RayEnds};
 use cube3_scene::{Perspective, Scene};
 use cube3_tests::{SmallVolume, for_perspective, from_eye, machines, perspectives, scenes, volumes};
 use cube3_trilin::RaySamples;
-use cube3_vectors::{Format, Reader, Recorder, Sheet, Tables, Unit, Vectors, units};
+use cube3_vectors::{Format, Reader, Recorder, Set, Sheet, Tables, Unit, Vectors, units};
+use cube3_word::Probe;
 use proptest::prelude::*;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// What a unit is sent, whether its sheet is there or not: its name alone.
 struct Lines(&'static str);
@@ -98,6 +100,73 @@ fn of_name(name: &str) -> Box<dyn Unit> {
 fn node_of(fields: &[i128]) -> Node {
     let rgba = std::array::from_fn(|i| fields[2 + i] as u64);
     Node { present: fields[0] == 1, sample: fields[1] as i32, rgba }
+}
+
+/// Units whose wires a frame by definition has.
+const UNITS: [&str; 12] = [
+    "trilin",
+    "clip",
+    "gradient",
+    "normalise",
+    "classify",
+    "phong",
+    "reflectance",
+    "lit",
+    "cue",
+    "leaf",
+    "node",
+    "pixel",
+];
+
+/// Part, name, place and value.
+type Wires = BTreeSet<(&'static str, &'static str, usize, i128)>;
+
+/// The wires of a walk over a frame, by unit.
+#[derive(Default)]
+struct Walk {
+    unit: Option<&'static str>,
+    part: (&'static str, usize),
+    seen: BTreeMap<&'static str, Wires>,
+}
+
+impl Probe for Walk {
+    fn wire(&mut self, name: &'static str, place: usize, value: i128) {
+        let (part, of_part) = self.part;
+        self.seen.entry(self.unit.unwrap()).or_default().insert((part, name, of_part + place, value));
+    }
+
+    fn within<R>(&mut self, part: &'static str, place: usize, work: impl FnOnce(&mut Self) -> R) -> R {
+        let outer = (self.unit, self.part);
+        match self.unit {
+            Some(_) => self.part = (part, place),
+            None => self.unit = UNITS.into_iter().find(|unit| *unit == part),
+        }
+        let result = work(self);
+        (self.unit, self.part) = outer;
+        result
+    }
+}
+
+/// The wires of a unit's recorded lines.
+fn wires(name: &str, vectors: &Vectors) -> Wires {
+    let mut recorder = Recorder::default();
+    let Set { format, tables, .. } = &vectors.set;
+    for line in &vectors.inputs {
+        of_name(name).evaluate(format, tables, line, &mut recorder);
+    }
+    recorder.seen().iter().map(|seen| (seen.part, seen.name, seen.place, seen.value)).collect()
+}
+
+/// The name of the unit of a gradient's method.
+fn gradient_unit(method: GradientMethod) -> &'static str {
+    match method {
+        GradientMethod::Six => "gradient-6",
+        GradientMethod::TwentySix => "gradient-26",
+        GradientMethod::Ten | GradientMethod::TenNormalised => "gradient-10",
+        GradientMethod::Twelve => "gradient-12",
+        GradientMethod::SixSheared => "gradient-6d",
+        GradientMethod::TwentySixSheared => "gradient-26d",
+    }
 }
 
 fn case() -> impl Strategy<Value = (MachineSpec, Scene, SmallVolume)> {
@@ -186,6 +255,39 @@ proptest! {
         }
     }
 
+    /// Of gradients, lines have wires of factors that are 1 too, and of light those of a light that gives none; of pixels, a frame has those
+    /// of rays beside the volume, which no slot has.
+    #[test]
+    fn the_wires_of_recorded_lines_are_those_of_the_frame_by_definition(case in case()) {
+        let setups = frames(&case);
+        let (machine, _, volume) = &case;
+        let run = Run { machine, frames: &setups, dims: volume.dims, voxels: &volume.words };
+        for (frame, setup) in setups.iter().enumerate() {
+            let mut walk = Walk::default();
+            Definition::new(setup, &volume.words).base_plane_wires(&mut walk);
+            for name in UNITS {
+                let of = walk.seen.remove(name).unwrap_or_default();
+                let name = match &setup.gradient {
+                    Some(registers) if name == "gradient" => gradient_unit(registers.method),
+                    None if name == "gradient" => continue,
+                    _ => name,
+                };
+                if name == "classify" && setup.ends.is_some() {
+                    continue;
+                }
+                let recorded = recorded(&run, of_name(name).as_ref(), frame).map(|vectors| wires(name, &vectors)).unwrap_or_default();
+                match name {
+                    "pixel" => prop_assert!(of.is_superset(&recorded), "{}: {:?}", name, recorded.difference(&of).next()),
+                    _ if name.starts_with("gradient-") || name == "phong" => {
+                        prop_assert!(of.is_subset(&recorded), "{}: {:?}", name, of.difference(&recorded).next());
+                    }
+                    _ => prop_assert_eq!(of, recorded, "{}", name),
+                }
+            }
+            prop_assert!(walk.seen.is_empty(), "{:?}", walk.seen.keys());
+        }
+    }
+
     #[test]
     fn each_stage_of_shading_gets_what_the_one_before_makes_up_to_the_coloured_samples(mut case in case()) {
         // Vectors of classification do not number the tables for the ends of rays.
@@ -200,14 +302,7 @@ proptest! {
             let classified = lines("classify");
             let mut gradients = vec![[0; 3]; classified.len()];
             if let Some(registers) = &setup.gradient {
-                let name = match registers.method {
-                    GradientMethod::Six => "gradient-6",
-                    GradientMethod::TwentySix => "gradient-26",
-                    GradientMethod::Ten | GradientMethod::TenNormalised => "gradient-10",
-                    GradientMethod::Twelve => "gradient-12",
-                    GradientMethod::SixSheared => "gradient-6d",
-                    GradientMethod::TwentySixSheared => "gradient-26d",
-                };
+                let name = gradient_unit(registers.method);
                 let gradient = |line: &Vec<i128>| {
                     let mut fields = Reader::new(line);
                     let s = [(); 3].map(|()| [(); 3].map(|()| fields.signed_words()));

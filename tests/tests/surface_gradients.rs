@@ -1,12 +1,10 @@
 //! The machine's own gradient words on the sphere phantom: the table of the design, section 3.
 
-use cube3_abc::golden::{Neighbourhood, gradient};
-use cube3_frame::DiscreteRay;
+use cube3_definition::Definition;
 use cube3_host::{Basis, VolumeInfo, frame_setup};
 use cube3_machine::{Abc, GradientMethod, MachineSpec, Rays};
 use cube3_metrics::mean_angle_deg;
 use cube3_scene::{Scene, View};
-use cube3_trilin::golden::{Weights, cell, lift};
 use cube3_volume::{Phantom, PhantomParams, VoxelWords, WordConversion};
 use glam::DVec3;
 
@@ -21,44 +19,16 @@ fn mean_angle(volume: &VoxelWords, yaw_deg: f64, offset: f64, method: GradientMe
     let scene = Scene { view: View::from_angles(yaw_deg, 0.0), ..Scene::default() };
     let info = VolumeInfo { dims: volume.dims, spacing: volume.spacing, window: volume.window };
     let setup = frame_setup(&scene, &machine, &info, true).unwrap().setup;
-    let (geometry, words) = (&setup.geometry, &setup.words);
-    let registers = setup.gradient.unwrap();
-    let sample = |ray: DiscreteRay, k: i64| {
-        if !geometry.has_sample(ray, k) {
-            return registers.border;
-        }
-        let k = k as usize;
-        let corners = [0, 1].map(|w| {
-            [0, 1].map(|v| {
-                [0, 1].map(|u| {
-                    let at = (k + w < geometry.size[2]).then(|| {
-                        Some([geometry.column_at(ray.u + u, k + w)?, geometry.row_at(ray.v + v, k + w)?, k + w])
-                    });
-                    at.flatten().map_or(0, |uvw| {
-                        let [x, y, z] = geometry.axes.voxel(geometry.size, uvw);
-                        lift(volume.word(x, y, z), words)
-                    })
-                })
-            })
-        });
-        cell(corners, Weights { w: geometry.offset, u: geometry.u.weights[k], v: geometry.v.weights[k] }, words)
-    };
+    let (geometry, defined) = (&setup.geometry, Definition::new(&setup, &volume.words));
     let basis = Basis::new(geometry, volume.spacing, method);
-    let [width, height] = geometry.base_plane_size();
     let centre = DVec3::splat(31.5);
     let mut pairs = Vec::new();
-    for row in 0..height {
-        for column in 0..width {
-            let ray =
-                DiscreteRay { u: column as i64 - geometry.shear_u() as i64, v: row as i64 - geometry.shear_v() as i64 };
-            if let Some(k) = (0..geometry.size[2] as i64).find(|&k| sample(ray, k) > 32767) {
-                let around: Neighbourhood = [-1, 0, 1].map(|w| {
-                    [-1, 0, 1].map(|v| [-1, 0, 1].map(|u| sample(DiscreteRay { u: ray.u + u, v: ray.v + v }, k + w)))
-                });
-                let world = basis.world(&geometry.axes, gradient(&around, &registers, words).value.map(f64::from));
-                let at = geometry.axes.voxel_position(geometry.size, geometry.sample_position(ray, k as usize));
-                pairs.push((world.to_array(), (centre - DVec3::from(at)).to_array()));
-            }
+    for ray in defined.rays() {
+        let dense = |k: &i64| defined.sample(ray, *k).is_some_and(|sample| sample > 32767);
+        if let Some(k) = (0..geometry.size[2] as i64).find(dense) {
+            let world = basis.world(&geometry.axes, defined.gradient(ray, k).unwrap().map(f64::from));
+            let at = geometry.axes.voxel_position(geometry.size, geometry.sample_position(ray, k as usize));
+            pairs.push((world.to_array(), (centre - DVec3::from(at)).to_array()));
         }
     }
     assert!(pairs.len() > 1900, "about 26²·π rays meet the sphere");

@@ -2,7 +2,7 @@
 
 use cube3_frame::{
     Classification, DiscreteRay, EndRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale,
-    LinearFactor, Normaliser, Phong, RayRegisters, ReflectanceTable, Shading,
+    LinearFactor, Normaliser, Phong, PhongLight, RayRegisters, ReflectanceTable, Shading,
 };
 
 use cube3_machine::GradientMethod;
@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 pub type Neighbourhood = [[[i32; 3]; 3]; 3];
 
 /// Something with the number of words that overflowed and were saturated on the way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counted<T> {
     /// The value.
     pub value: T,
@@ -240,7 +240,7 @@ fn weighted(s: &Neighbourhood, probe: &mut impl Probe) -> [i64; 3] {
 }
 
 /// A normalised gradient.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Normal {
     /// Direction, fractions of `normal_bits − 1`, −1 to 1 inclusive; all 0 where the gradient is.
     pub direction: [i32; 3],
@@ -421,7 +421,12 @@ pub fn direction_index_wires(gradient: [i32; 3], bits: u32, probe: &mut impl Pro
 
 /// Light on a sample by table.
 pub fn reflectance(gradient: [i32; 3], table: &ReflectanceTable) -> Light {
-    match direction_index(gradient, table.bits) {
+    reflectance_wires(gradient, table, &mut ())
+}
+
+/// [`reflectance`], and what its wires carry.
+pub fn reflectance_wires(gradient: [i32; 3], table: &ReflectanceTable, probe: &mut impl Probe) -> Light {
+    match direction_index_wires(gradient, table.bits, probe) {
         Some(index) => Light { diffuse: table.diffuse[index], specular: table.specular[index] },
         None => Light { diffuse: [table.flat; 3], specular: [0; 3] },
     }
@@ -520,7 +525,18 @@ pub fn classify(sample: i32, magnitude: u32, table: &Classification) -> Option<(
 
 /// The same with the opacity table of a class of step lengths or of an end.
 pub fn classify_in(class: u32, sample: i32, magnitude: u32, table: &Classification) -> Option<(u32, [u32; 3])> {
-    let [opacity, colour] = TableAddresses::of(table).find(class, sample, magnitude, &mut ())?;
+    classify_wires(class, sample, magnitude, table, &mut ())
+}
+
+/// [`classify_in`], and what its wires carry.
+pub fn classify_wires(
+    class: u32,
+    sample: i32,
+    magnitude: u32,
+    table: &Classification,
+    probe: &mut impl Probe,
+) -> Option<(u32, [u32; 3])> {
+    let [opacity, colour] = TableAddresses::of(table).find(class, sample, magnitude, probe)?;
     Some((table.opacity[opacity], table.colour[colour]))
 }
 
@@ -592,62 +608,115 @@ pub fn behind_the_eye(s: &Neighbourhood, at: [i64; 3], setup: &FrameSetup) -> Ne
     seen
 }
 
+/// A sample on its way through an ABC unit: what each stage gives to the next. Behind a stage that lets nothing through there is nothing.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Stages {
+    /// Whether the sample is outside of a clip.
+    pub outside: bool,
+    /// What the gradient is taken from, where the frame has one.
+    pub around: Option<(Neighbourhood, Local)>,
+    /// The gradient.
+    pub gradient: [i32; 3],
+    /// Its direction and length.
+    pub normal: Normal,
+    /// The class of the opacity table.
+    pub class: u32,
+    /// Opacity and colour by the tables.
+    pub classified: Option<(u32, [u32; 3])>,
+    /// Of each light of Phong's formula the direction, and what is halfway between it and the eye.
+    pub towards: Vec<[[i32; 3]; 2]>,
+    /// Light on the sample, where colours are lit.
+    pub light: Option<Light>,
+    /// The colour in that light.
+    pub lit: [u32; 3],
+    /// The depth cue's factor.
+    pub cue: Option<u32>,
+    /// What goes into the cone. Overflows are counted where the sample is not transparent.
+    pub shaded: Counted<Shaded>,
+}
+
 /// Everything that an ABC unit does to sample k of ray (u, v), which is in the volume. Overflows are counted where the
 /// sample is not transparent.
 pub fn shade(s: &Neighbourhood, at: [i64; 3], setup: &FrameSetup) -> Counted<Shaded> {
-    let words = &setup.words;
+    shade_wires(s, at, setup, &mut ()).shaded
+}
+
+/// [`shade`] stage by stage, and what the wires of each carry: each stage is a part, by the name of its unit in vectors.
+pub fn shade_wires(s: &Neighbourhood, at: [i64; 3], setup: &FrameSetup, probe: &mut impl Probe) -> Stages {
+    let (words, geometry) = (&setup.words, &setup.geometry);
     let sample = s[1][1][1];
-    let nothing = Counted { value: Shaded { sample, ..Shaded::default() }, overflows: 0 };
-    if setup.clips.iter().any(|clip| setup.geometry.evaluate(&clip.distance, at) < 0) {
-        return nothing;
+    let mut stages = Stages::default();
+    stages.shaded.value.sample = sample;
+    for (number, clip) in setup.clips.iter().enumerate() {
+        stages.outside |= probe.within("clip", number, |probe| geometry.evaluate_wires(&clip.distance, at, probe)) < 0;
     }
-    let gradient = match &setup.gradient {
-        Some(registers) => {
-            local_gradient(&behind_the_eye(s, at, setup), registers, &Local::new(at, registers, setup), words)
-        }
-        None => Counted { value: [0; 3], overflows: 0 },
+    if stages.outside {
+        return stages;
+    }
+    let mut overflows = 0;
+    if let Some(registers) = &setup.gradient {
+        let (around, local) = (behind_the_eye(s, at, setup), Local::new(at, registers, setup));
+        let components =
+            probe.within("gradient", 0, |probe| local_gradient_wires(&around, registers, &local, words, probe));
+        let gradient = counted(components);
+        (stages.gradient, overflows) = (gradient.value, gradient.overflows);
+        stages.around = Some((around, local));
+    }
+    let gradient = stages.gradient;
+    if let Some(table) = &setup.normaliser {
+        stages.normal = probe.within("normalise", 0, |probe| normalise_wires(gradient, table, words, probe));
+    }
+    let Normal { direction, magnitude } = stages.normal;
+    let (class, table) = (opacity_class(at, setup), &setup.classification);
+    stages.class = class;
+    stages.classified = probe.within("classify", 0, |probe| classify_wires(class, sample, magnitude, table, probe));
+    let Some((opacity, colour)) = stages.classified else {
+        return stages;
     };
-    let [row, column] = match &setup.rays {
-        Some(_) => setup.geometry.slot_of(DiscreteRay { u: at[0], v: at[1] }),
-        None => [0; 2],
-    };
-    let class = opacity_class(at, setup);
-    let normal = match &setup.normaliser {
-        Some(normaliser) => normalise(gradient.value, normaliser, words),
-        None => Normal { direction: [0; 3], magnitude: 0 },
-    };
-    let Some((opacity, colour)) = classify_in(class, sample, normal.magnitude, &setup.classification) else {
-        return nothing;
-    };
+    stages.shaded.value = Shaded { present: true, sample, opacity, colour: [0; 3] };
     if opacity == 0 {
-        return Counted { value: Shaded { present: true, sample, opacity, colour: [0; 3] }, overflows: 0 };
+        return stages;
     }
-    let mut coloured = match &setup.shading {
-        Some(Shading::Phong(registers)) => {
-            let light = match (&setup.rays, &setup.normaliser) {
-                (Some(rays), Some(table)) => {
-                    let view = view_vector(row, column, rays, table, words);
-                    let towards = |light: usize| match rays.at_eye[light] {
-                        true => [view; 2],
-                        false => {
-                            let direction = registers.lights[light].direction;
-                            [direction, halfway(direction, view, table, words)]
-                        }
-                    };
-                    phong_from(normal.direction, registers, towards, words)
-                }
-                _ => phong(normal.direction, registers, words),
-            };
-            lit(colour, light, words)
+    stages.light = match &setup.shading {
+        Some(Shading::Phong(phong)) => {
+            let towards = towards(phong, at, setup);
+            let of = |light: usize| towards[light];
+            let light = probe.within("phong", 0, |probe| phong_wires(direction, phong, of, words, probe));
+            stages.towards = towards;
+            Some(light)
         }
-        Some(Shading::Table(table)) => lit(colour, reflectance(gradient.value, table), words),
-        None => Counted { value: colour, overflows: 0 },
+        Some(Shading::Table(table)) => {
+            Some(probe.within("reflectance", 0, |probe| reflectance_wires(gradient, table, probe)))
+        }
+        None => None,
     };
-    if let Some(cue) = &setup.depth_cue {
-        coloured.value = cued(coloured.value, LinearFactor::word(setup.geometry.evaluate(&cue.factor, at)), words);
+    stages.lit = colour;
+    if let Some(light) = stages.light {
+        let lit = counted(probe.within("lit", 0, |probe| lit_wires(colour, light, words, probe)));
+        stages.lit = lit.value;
+        overflows += lit.overflows;
     }
-    let shaded = Shaded { present: true, sample, opacity, colour: coloured.value };
-    Counted { value: shaded, overflows: coloured.overflows + gradient.overflows }
+    let mut coloured = stages.lit;
+    if let Some(cue) = &setup.depth_cue {
+        let factor = LinearFactor::word(geometry.evaluate(&cue.factor, at));
+        stages.cue = Some(factor);
+        coloured = probe.within("cue", 0, |probe| cued_wires(coloured, factor, words, probe));
+    }
+    stages.shaded = Counted { value: Shaded { present: true, sample, opacity, colour: coloured }, overflows };
+    stages
+}
+
+/// The direction of each light and what is halfway between it and the eye, for a sample: in perspective those of its ray.
+fn towards(phong: &Phong, at: [i64; 3], setup: &FrameSetup) -> Vec<[[i32; 3]; 2]> {
+    let (Some(rays), Some(table)) = (&setup.rays, &setup.normaliser) else {
+        return phong.lights.iter().map(|light| [light.direction, light.halfway]).collect();
+    };
+    let [row, column] = setup.geometry.slot_of(DiscreteRay { u: at[0], v: at[1] });
+    let view = view_vector(row, column, rays, table, &setup.words);
+    let of_light = |(light, &at_eye): (&PhongLight, &bool)| {
+        if at_eye { [view; 2] } else { [light.direction, halfway(light.direction, view, table, &setup.words)] }
+    };
+    phong.lights.iter().zip(&rays.at_eye).map(of_light).collect()
 }
 
 /// A colour behind the depth cue's factor.

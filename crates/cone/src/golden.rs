@@ -92,31 +92,47 @@ pub fn combine_wires(mode: Mode, left: Node, right: Node, words: &Words, probe: 
 
 /// A ray, in the order of the cone's nodes.
 pub fn reduce(leaves: &[Node], cone: &ConeRegisters, words: &Words) -> Node {
+    reduce_wires(leaves, cone, words, &mut ())
+}
+
+/// [`reduce`], and what the wires of its nodes carry.
+pub fn reduce_wires(leaves: &[Node], cone: &ConeRegisters, words: &Words, probe: &mut impl Probe) -> Node {
+    let mut nodes = 0;
+    let mut node = |left, right| {
+        nodes += 1;
+        probe.within("node", nodes - 1, |probe| combine_wires(cone.mode, left, right, words, probe))
+    };
     match cone.order {
-        ConeOrder::Tree => tree(leaves, cone, words),
-        ConeOrder::FrontToBack => front_to_back(leaves, cone, words),
+        ConeOrder::Tree => tree_by(leaves, cone, &mut node),
+        ConeOrder::FrontToBack => leaves.iter().fold(Node::default(), |sum, leaf| node(sum, *leaf)),
     }
 }
 
 /// A ray in a chain of nodes or in one accumulator: each sample is put behind all before it.
 pub fn front_to_back(leaves: &[Node], cone: &ConeRegisters, words: &Words) -> Node {
-    leaves.iter().fold(Node::default(), |sum, leaf| combine(cone.mode, sum, *leaf, words))
+    reduce(leaves, &ConeRegisters { order: ConeOrder::FrontToBack, ..*cone }, words)
 }
 
 /// A ray in a tree: trees over chunks of the cone's leaves, whose results are combined in order. In a tree, neighbours are
 /// paired level by level from the front; one without a neighbour passes.
 pub fn tree(leaves: &[Node], cone: &ConeRegisters, words: &Words) -> Node {
-    let tree = |chunk: &[Node]| {
+    reduce(leaves, &ConeRegisters { order: ConeOrder::Tree, ..*cone }, words)
+}
+
+/// [`tree`] with `node(left, right)` for each node.
+fn tree_by(leaves: &[Node], cone: &ConeRegisters, node: &mut impl FnMut(Node, Node) -> Node) -> Node {
+    let mut sum = Node::default();
+    for chunk in leaves.chunks(cone.leaves) {
         let mut level = chunk.to_vec();
         while level.len() > 1 {
             level = level
                 .chunks(2)
-                .map(|pair| if let [left, right] = pair { combine(cone.mode, *left, *right, words) } else { pair[0] })
+                .map(|pair| if let [left, right] = pair { node(*left, *right) } else { pair[0] })
                 .collect();
         }
-        level[0]
-    };
-    leaves.chunks(cone.leaves).map(tree).fold(Node::default(), |sum, part| combine(cone.mode, sum, part, words))
+        sum = node(sum, level[0]);
+    }
+    sum
 }
 
 /// The pixel of a ray's node: red, green, blue (opacity-weighted) and opacity, and whether a sum was saturated.

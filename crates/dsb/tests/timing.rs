@@ -212,7 +212,7 @@ fn one_plane_can_never_be_read_and_the_two_ports_wait_for_each_other() {
         let moved = bench.tick(true, Some);
         assert_eq!(moved, (1..=4).contains(&cycle), "cycle {cycle}");
     }
-    assert_eq!(bench.left, []);
+    assert_eq!(bench.left, [0_u64; 0]);
     let waits = bench.unit.inner_waits(&bench.aligned);
     let deadlock = diagnose(4, &waits);
     assert!(deadlock.circular);

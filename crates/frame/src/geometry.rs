@@ -3,6 +3,7 @@
 use crate::perspective::{PLACE_BITS, Perspective};
 use crate::{Axes, Linear, SLOPE_FRACTION_BITS, Template};
 use cube3_machine::{RaySlots, TemplateRule};
+use cube3_word::Probe;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -122,8 +123,14 @@ impl Geometry {
     /// The value of a linear function at sample `k` of ray (u, v): [`Linear::at`], in perspective of the sample's place.
     #[inline]
     pub fn evaluate(&self, function: &Linear, at: [i64; 3]) -> i64 {
+        self.evaluate_wires(function, at, &mut ())
+    }
+
+    /// [`Geometry::evaluate`], and what its wires carry in a parallel frame.
+    #[inline]
+    pub fn evaluate_wires(&self, function: &Linear, at: [i64; 3], probe: &mut impl Probe) -> i64 {
         match &self.perspective {
-            None => function.at(at[0], at[1], at[2]),
+            None => function.at_wires(at[0], at[1], at[2], probe),
             Some(_) => function.at_place(self.place(at)),
         }
     }

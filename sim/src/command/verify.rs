@@ -8,7 +8,6 @@ use crate::machine::Machine;
 use crate::memory;
 use crate::output::{make_folder, write_waveform};
 use crate::problem::{Outcome, Problem};
-use crate::record::{Run, defined_base_plane};
 use crate::vector_files::SetFiles;
 use clap::Args;
 use cube3_host::{VolumeInfo, frame_setup};
@@ -333,8 +332,7 @@ fn units_in_frames(machine: &MachineSpec, words: Words) -> Outcome<Frames> {
             let frames = [frame_setup(&scene, &machine, &volume, true)?.setup];
             let mut run = Machine::cycle(&machine, frames.to_vec(), [SIDE; 3], &voxels)?;
             run.run(&|_, _| {})?;
-            let of = Run { machine: &machine, frames: &frames, dims: [SIDE; 3], voxels: &voxels };
-            let defined = defined_base_plane(&of, 0)?;
+            let defined = cube3_definition::Definition::new(&frames[0], &voxels).base_plane();
             found.frames += 1;
             found.seen += defined.pixels.iter().filter(|pixel| pixel[3] > 0).count();
             if run.into_base_planes() != [defined] {

@@ -4,12 +4,12 @@ use super::cost::{Cost, cost};
 use super::thin::ThinCase;
 use super::wire::{Design, Order};
 use crate::function::{CanonicalVolume, render};
-use crate::gradient_error::Samples;
 use crate::inputs::LoadedVolume;
 use crate::problem::{Outcome, Problem};
 use crate::progress::Progress;
 use crate::reference::{Reference, check_reference, reference_picture};
-use cube3_abc::golden::{gradient, normalise};
+use cube3_abc::golden::normalise;
+use cube3_definition::Definition;
 use cube3_frame::{DiscreteRay, FrameSetup};
 use cube3_host::{Basis, PictureFrames, VolumeInfo, picture_setup, step_length, warp_passes};
 use cube3_machine::{MachineSpec, RayEnds};
@@ -308,12 +308,11 @@ impl<'a> SceneCase<'a> {
         };
         let basis = Basis::new(&setup.geometry, words.spacing, registers.method);
         let world = |components: [i32; 3]| basis.world(&setup.geometry.axes, components.map(f64::from)).to_array();
-        let samples = Samples { setup, volume: words };
+        let defined = Definition::new(setup, &words.words);
         let mut lost = 0;
         let (mut of_gradient, mut of_normal) = (Vec::new(), Vec::new());
         for point in points {
-            let around = samples.around(point.ray, point.k as i64, registers.border);
-            let word = gradient(&around, registers, &setup.words).value;
+            let word = defined.gradient(point.ray, point.k as i64).unwrap_or_default();
             lost += usize::from(word == [0; 3]);
             of_gradient.push(angle_deg(world(word), point.gradient)?);
             if let Some(table) = &setup.normaliser {
