@@ -254,8 +254,8 @@ proptest! {
         let Some(Shading::Phong(phong)) = &setup.shading else { panic!("lit by Phong") };
         let one = f64::from(1_u32 << (setup.words.normal_bits - 1));
         let light = setup.geometry.axes.to_canonical(DVec3::from(towards).normalize());
-        for i in 0..3 {
-            prop_assert!((f64::from(phong.lights[0].direction[i]) + light[i] * one).abs() <= 0.5 + 1e-6);
+        for (register, towards) in phong.lights[0].direction.into_iter().zip(light) {
+            prop_assert!((f64::from(register) + towards * one).abs() <= 0.5 + 1e-6);
         }
     }
 
@@ -287,7 +287,8 @@ proptest! {
 /// Between two faces along the rays, 3 voxels apart, there are three whole steps; where a value is chosen, a sample on either face counts.
 #[test]
 fn a_sample_on_the_face_that_a_ray_enters_counts_and_one_on_the_other_does_not() {
-    for (direction, reversed) in [([0.0, 0.0, 1.0], false), ([0.0, 0.0, -1.0], true)] {
+    // Along z and against it, on which the box begins two planes after the first.
+    for direction in [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]] {
         for (mode, expected) in [(Mode::Composite, 3), (Mode::WeightedSum, 3), (Mode::Maximum, 4)] {
             let crop = Crop { min_voxel: [0.0, 0.0, 2.0], max_voxel: [7.0, 7.0, 5.0] };
             let scene =
@@ -297,8 +298,7 @@ fn a_sample_on_the_face_that_a_ray_enters_counts_and_one_on_the_other_does_not()
             let setup = parallel(&scene, &machine, &volume([8; 3], [1.0; 3]));
             let depths: Vec<i64> =
                 (0..8).filter(|&k| setup.clips.iter().all(|clip| kept(&setup, clip, [3, 3, k]))).collect();
-            let first = if reversed { 7 - 5 } else { 2 };
-            assert_eq!(depths, (first..first + expected).collect::<Vec<_>>(), "{mode:?}, {direction:?}");
+            assert_eq!(depths, (2..2 + expected).collect::<Vec<_>>(), "{mode:?}, {direction:?}");
             machine.rays.ends = RayEnds::Exact;
             let setup = parallel(&scene, &machine, &volume([8; 3], [1.0; 3]));
             let count = (0..8).filter(|&k| setup.clips.iter().all(|clip| kept(&setup, clip, [3, 3, k]))).count();

@@ -82,7 +82,7 @@ impl GradientLanes {
     }
 
     /// Gradients of a block of a parallel frame, and in `overflow` how many words of each lane were saturated, added to what is there;
-    /// see [`golden::gradient`].
+    /// see [`crate::golden::gradient`].
     #[inline(always)]
     pub fn run(&self, around: &Around, out: &mut [Block<i32>; 3], overflow: &mut Block<u32>) {
         if self.narrow {
