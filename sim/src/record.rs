@@ -15,7 +15,7 @@ use cube3_cone::golden::{Node, Segment, combine};
 use cube3_cone::{place_of_circle, segments};
 use cube3_definition::Definition;
 use cube3_frame::{DiscreteRay, FrameSetup, GradientScale, HalfSpace, Phong, Sections, Shading};
-use cube3_machine::{ConeOrder, GradientMethod, MachineSpec, RaySlots};
+use cube3_machine::{ConeOrder, MachineSpec, RaySlots};
 use cube3_trilin::golden::lift;
 use cube3_vectors::{ExpressionError, Format, Set, Tables, Unit, Vectors};
 use std::ops::ControlFlow::{self, Break, Continue};
@@ -292,18 +292,6 @@ fn tables(setup: &FrameSetup, name: &str, unit: &dyn Unit, format: &Format) -> T
     }
 }
 
-/// The name of the unit of a gradient's method.
-fn gradient_unit(method: GradientMethod) -> &'static str {
-    match method {
-        GradientMethod::Six => "gradient-6",
-        GradientMethod::TwentySix => "gradient-26",
-        GradientMethod::Ten | GradientMethod::TenNormalised => "gradient-10",
-        GradientMethod::Twelve => "gradient-12",
-        GradientMethod::SixSheared => "gradient-6d",
-        GradientMethod::TwentySixSheared => "gradient-26d",
-    }
-}
-
 /// The lines of a window, as they go by.
 struct Lines<'a> {
     first: usize,
@@ -356,8 +344,8 @@ impl<'a> Frame<'a> {
         match unit {
             gradient if gradient.starts_with("gradient-") => match &setup.gradient {
                 None => Some("nothing reads a gradient; shade the picture".into()),
-                Some(registers) if gradient_unit(registers.method) != gradient => {
-                    Some(format!("the machine's gradient is the unit {}", gradient_unit(registers.method)))
+                Some(registers) if registers.method.row().unit != gradient => {
+                    Some(format!("the machine's gradient is the unit {}", registers.method.row().unit))
                 }
                 Some(_) => None,
             },

@@ -68,13 +68,12 @@ pub fn operators(machine: &MachineSpec, frames: &[FrameSetup]) -> Vec<OperatorsR
     if let Some(near) = near {
         part("abc: gradient for near eyes", lanes, gradient(near, lerp, rounds(words.weight_bits)));
     }
-    if machine.abc.gradient != GradientMethod::Ten {
+    if machine.abc.gradient.row().normalised {
         let kept = of_frame.filter_map(|registers| registers.scale).map(|scale| scale.kept_bits).min().unwrap_or(0);
         part("abc: gradient scale", lanes, counts(3, 3 * rounds(GradientScale::FACTOR_BITS - kept), 0));
     }
     // The one shift also takes back by how much the weights of 26 exceed 1.
-    let weights =
-        |method| u32::from(matches!(method, GradientMethod::TwentySix | GradientMethod::TwentySixSheared)) * 4;
+    let weights = |method: GradientMethod| method.row().extra_bits();
     let exceed = weights(machine.abc.gradient).max(near.map_or(0, weights));
     part("abc: gradient word", lanes, counts(0, 3 * rounds(words.gradient_drop() + exceed), 6));
     // Magnitudes, squares and their sum, the products with the root, rounded, held at one, and the signs.
@@ -122,18 +121,10 @@ pub fn operators(machine: &MachineSpec, frames: &[FrameSetup]) -> Vec<OperatorsR
 
 /// Operators of a gradient estimator. `round` is the adder that rounds a product with a weight.
 fn gradient(method: GradientMethod, lerp: OperatorCounts, round: u64) -> OperatorCounts {
-    let differences = counts(0, 3, 0);
-    // Nine differences and their sum, for each component.
-    let weighted = counts(0, 3 * (9 + 8), 0);
-    let shear = counts(2, 2 + round, 0);
-    match method {
-        GradientMethod::Six => differences,
-        GradientMethod::SixSheared => differences + shear,
-        GradientMethod::TwentySix => weighted,
-        GradientMethod::TwentySixSheared => weighted + shear,
-        GradientMethod::Ten | GradientMethod::TenNormalised => differences + lerp.times(4),
-        GradientMethod::Twelve => differences + lerp.times(6),
-    }
+    let (row, pairs) = (method.row(), u64::from(method.row().pairs()));
+    // The differences of each component, and their sum.
+    let differences = counts(0, 3 * (2 * pairs - 1), 0) + lerp.times(u64::from(row.lerps()));
+    if row.sheared { differences + counts(2, 2 + round, 0) } else { differences }
 }
 
 /// Lights that the shading units hold: those of the frames, or one.

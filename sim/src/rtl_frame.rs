@@ -29,7 +29,7 @@
 
 use cube3_cfb::golden::{Placement, Skew};
 use cube3_frame::{FrameSetup, LinearFactor, Phong, Shading};
-use cube3_machine::{Cfb, ConeKind, Dsb, GradientMethod, HostLink, MachineSpec, MemoryType, RaySlots};
+use cube3_machine::{Cfb, ConeKind, Dsb, HostLink, MachineSpec, MemoryType, RaySlots};
 use cube3_word::Rounding;
 use std::fmt::{Display, Write as _};
 use std::io;
@@ -238,18 +238,6 @@ fn nearest_side(size: [usize; 3]) -> usize {
     if higher - longest <= longest - higher / 2 { higher } else { higher / 2 }
 }
 
-/// The number of a gradient method as the pipeline's METHOD.
-fn method(method: GradientMethod) -> u32 {
-    match method {
-        GradientMethod::Six => 6,
-        GradientMethod::TwentySix => 26,
-        GradientMethod::Ten | GradientMethod::TenNormalised => 10,
-        GradientMethod::Twelve => 12,
-        GradientMethod::SixSheared => 61,
-        GradientMethod::TwentySixSheared => 261,
-    }
-}
-
 fn parameters(machine: &MachineSpec, setup: &FrameSetup) -> Vec<(&'static str, u32)> {
     let words = &setup.words;
     let gradient = setup.gradient.map_or(machine.abc.gradient, |registers| registers.method);
@@ -257,7 +245,7 @@ fn parameters(machine: &MachineSpec, setup: &FrameSetup) -> Vec<(&'static str, u
     vec![
         ("N", machine.lanes as u32),
         ("PADDED", u32::from(setup.geometry.slots == RaySlots::Padded)),
-        ("METHOD", method(gradient)),
+        ("METHOD", gradient.row().rtl),
         ("VOXEL_BITS", words.voxel_bits),
         ("WEIGHT_BITS", words.weight_bits),
         ("SAMPLE_FRACTION_BITS", words.sample_fraction_bits),

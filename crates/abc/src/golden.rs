@@ -5,7 +5,7 @@ use cube3_frame::{
     LinearFactor, Normaliser, Phong, PhongLight, RayRegisters, ReflectanceTable, Shading,
 };
 
-use cube3_machine::GradientMethod;
+use cube3_machine::{Differences, GradientMethod};
 use cube3_word::{Probe, Words, lerp_wires, saturate, unit_full};
 use serde::{Deserialize, Serialize};
 
@@ -153,14 +153,11 @@ fn differences(
     let between = |far: i32, near: i32| i64::from(far) - i64::from(near);
     let straight =
         || [between(s[1][1][2], s[1][1][0]), between(s[1][2][1], s[1][0][1]), between(s[2][1][1], s[0][1][1])];
-    match method {
-        GradientMethod::Six => (near(straight(), local, words, probe), 0),
-        GradientMethod::SixSheared => (shear(near(straight(), local, words, probe), local, words, probe), 0),
-        GradientMethod::TwentySix => (near(weighted(s, probe), local, words, probe), 4),
-        GradientMethod::TwentySixSheared => {
-            (shear(near(weighted(s, probe), local, words, probe), local, words, probe), 4)
-        }
-        GradientMethod::Ten | GradientMethod::TenNormalised => {
+    let row = method.row();
+    let differences = match row.differences {
+        Differences::Central => straight(),
+        Differences::Weighted => weighted(s, probe),
+        Differences::Feet => {
             let mut foot = |place, side: i32, on_ray: i32, weight| {
                 probe.within("foot", place, |probe| {
                     lerp_wires(side, on_ray, weight, words.weight_bits, words.rounding, probe)
@@ -172,9 +169,9 @@ fn differences(
             let below = foot(2, s[1][2][1], s[0][2][1], dv);
             let above = foot(3, s[1][0][1], s[2][0][1], dv);
             let [_, _, ray] = straight();
-            (near([between(right, left), between(below, above), ray], local, words, probe), 0)
+            [between(right, left), between(below, above), ray]
         }
-        GradientMethod::Twelve => {
+        Differences::Bilinear => {
             // Straight behind the sample on slice k+1 lies between rays u−1 and u, v−1 and v; before it, the mirror image.
             let mut bilinear = |number: usize, slice: &[[i32; 3]; 3], v: usize, u: usize, [du, dv]: [u32; 2]| {
                 let mut lerp = |part, place, near, far, weight| {
@@ -189,9 +186,12 @@ fn differences(
             let behind = bilinear(0, &s[2], 0, 0, local.behind);
             let before = bilinear(1, &s[0], 2, 2, local.before);
             let [u, v, _] = straight();
-            (near([u, v, between(behind, before)], local, words, probe), 0)
+            [u, v, between(behind, before)]
         }
-    }
+    };
+    let differences = near(differences, local, words, probe);
+    let differences = if row.sheared { shear(differences, local, words, probe) } else { differences };
+    (differences, row.extra_bits())
 }
 
 /// Where neighbours are less than a voxel away, u and v are relative to their distance, and so is the ray.

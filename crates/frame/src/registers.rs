@@ -222,9 +222,7 @@ impl GradientScale {
 
     /// Bits that a difference of a method leaves of 31.
     pub fn room(method: GradientMethod, words: &Words) -> u32 {
-        let weighted = matches!(method, GradientMethod::TwentySix | GradientMethod::TwentySixSheared);
-        let sheared = matches!(method, GradientMethod::SixSheared | GradientMethod::TwentySixSheared);
-        30 - (words.sample_bits() + if weighted { 4 } else { 0 } + if sheared { 2 } else { 0 })
+        30 - (words.sample_bits() + method.row().difference_bits())
     }
 }
 

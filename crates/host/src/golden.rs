@@ -5,7 +5,7 @@ use cube3_frame::{
     Axes, ConeRegisters, EndRegisters, Geometry, GradientRows, GradientScale, HalfSpace, Linear, LinearFactor, Phong,
     RayRegisters, SLOPE_FRACTION_BITS,
 };
-use cube3_machine::{GradientMethod, MachineSpec};
+use cube3_machine::{Differences, GradientMethod, MachineSpec};
 use cube3_scene::{Crop, Cut, DepthCue, Mode, Threshold, ViewFrame, corrected_opacity};
 use cube3_word::{Words, quantise_fraction, unit_full, unit_resize};
 
@@ -188,8 +188,8 @@ impl Basis {
         let ray = [s[0] * du, s[1] * dv, s[2]];
         let square: f64 = ray.iter().map(|x| x * x).sum();
         let feet = [(s[0] * ray[0] / square).min(1.0), (s[1] * ray[1] / square).min(1.0)];
-        let (vectors, lengths) = match method {
-            GradientMethod::Ten | GradientMethod::TenNormalised => {
+        let (vectors, lengths) = match method.row().differences {
+            Differences::Feet => {
                 let side = |axis: usize| {
                     let mut vector = ray.map(|x| -feet[axis] * x);
                     vector[axis] += s[axis];
@@ -208,7 +208,7 @@ impl Basis {
     /// differences are then relative to.
     pub fn scale(&self, method: GradientMethod) -> ([f64; 3], f64) {
         let shortest = self.lengths.iter().copied().fold(f64::INFINITY, f64::min);
-        if method == GradientMethod::Ten {
+        if !method.row().normalised {
             return ([1.0; 3], shortest);
         }
         (self.lengths.map(|length| shortest / length), shortest)

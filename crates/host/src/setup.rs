@@ -6,7 +6,7 @@ use cube3_frame::{
     ConeRegisters, EndRegisters, FrameSetup, Geometry, GradientRegisters, HalfSpace, LARGEST_SIDE, Normaliser,
     Perspective, RayRegisters, largest_offset, slope_register,
 };
-use cube3_machine::{Abc, BusKind, GradientMethod, MachineSpec, RaySlots, ShadingUnit, TemplateRule};
+use cube3_machine::{Abc, BusKind, Differences, GradientMethod, MachineSpec, RaySlots, ShadingUnit, TemplateRule};
 use cube3_scene::{Mode, Scene, SceneError, ViewFrame};
 use cube3_word::{quantise_fraction, quantise_unit};
 use std::borrow::Cow;
@@ -161,7 +161,7 @@ pub(crate) fn check_perspective(scene: &Scene, machine: &MachineSpec) -> Result<
     }
     let (lit, rows) = (is_lit(scene), scene.transfer.is_two_dimensional());
     let gradient = machine.abc.gradient;
-    if (lit || rows) && matches!(gradient, GradientMethod::Ten | GradientMethod::TenNormalised) {
+    if (lit || rows) && gradient.row().needs_parallel_rays() {
         return Err(HostError::Perspective {
             key: "abc.gradient",
             value: gradient.name(),
@@ -233,7 +233,7 @@ pub(crate) fn in_frame<'a>(machine: &'a MachineSpec, geometry: &Geometry) -> Cow
         GradientMethod::Twelve if pass.doubled && back <= NEAR_SPACING => GradientMethod::TwentySixSheared,
         GradientMethod::Twelve if pass.doubled => GradientMethod::SixSheared,
         // Nothing reads the gradient, or it would have been refused.
-        GradientMethod::Ten | GradientMethod::TenNormalised => GradientMethod::SixSheared,
+        method if method.row().needs_parallel_rays() => GradientMethod::SixSheared,
         method => method,
     };
     Cow::Owned(MachineSpec { abc: Abc { gradient, ..machine.abc }, ..machine.clone() })
@@ -271,9 +271,9 @@ pub(crate) fn registers(
         && plan
         && registers.scale.is_none()
     {
-        let why = match registers.method {
-            GradientMethod::Ten => "this estimator uses its differences as they are",
-            _ => "the voxels are cubes and the differences are taken over equal lengths",
+        let why = match registers.method.row().normalised {
+            false => "this estimator uses its differences as they are",
+            true => "the voxels are cubes and the differences are taken over equal lengths",
         };
         leave("gradient scale", why, "3 multipliers a lane".into());
     }
@@ -431,8 +431,8 @@ fn geometry(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, view: &Vi
 
 fn gradient_registers(machine: &MachineSpec, geometry: &Geometry, basis: &Basis, plan: bool) -> GradientRegisters {
     let method = machine.abc.gradient;
-    let weights = match method {
-        GradientMethod::Ten | GradientMethod::TenNormalised => basis.feet,
+    let weights = match method.row().differences {
+        Differences::Feet => basis.feet,
         _ => geometry.real_slopes(),
     };
     GradientRegisters {

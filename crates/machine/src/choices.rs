@@ -217,24 +217,6 @@ pub enum GradientMethod {
     TwentySixSheared,
 }
 
-impl GradientMethod {
-    /// Every estimator with its name.
-    pub const ALL: [(GradientMethod, &'static str); 7] = [
-        (GradientMethod::Six, "6"),
-        (GradientMethod::TwentySix, "26"),
-        (GradientMethod::Ten, "10"),
-        (GradientMethod::TenNormalised, "10n"),
-        (GradientMethod::Twelve, "12"),
-        (GradientMethod::SixSheared, "6d"),
-        (GradientMethod::TwentySixSheared, "26d"),
-    ];
-
-    /// The name in machine files.
-    pub fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(method, _)| *method == self).map_or("?", |(_, name)| name)
-    }
-}
-
 /// How the ABC unit shades.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

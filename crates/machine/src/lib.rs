@@ -5,6 +5,7 @@
 
 mod choices;
 mod controller;
+mod estimators;
 mod memory;
 mod presets;
 mod spec;
@@ -14,6 +15,7 @@ pub use choices::{
     ShadingUnit, TemplateRule,
 };
 pub use controller::{BankHash, BankHashRow, BurstOrder, ControllerKind, LookAheadFreed, LookAheadUnit};
+pub use estimators::{Differences, ESTIMATORS, Estimator};
 pub use memory::{Command, Constraint, MemoryModel, Rows, Scope, Span};
 pub use presets::PRESETS;
 pub use spec::{

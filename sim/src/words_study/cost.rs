@@ -121,7 +121,7 @@ pub fn parts(machine: &MachineSpec, setup: &FrameSetup) -> Vec<PartCost> {
     let (each, difference) = gradient(method, sample, fraction, round, lerp);
     part("abc: gradient", lanes, each);
     let kept = setup.gradient.and_then(|registers| registers.scale).map_or(0, |scale| u64::from(scale.kept_bits));
-    if method != GradientMethod::Ten {
+    if method.row().normalised {
         let factor = u64::from(GradientScale::FACTOR_BITS) + 1;
         part(
             "abc: gradient scale",
@@ -131,8 +131,8 @@ pub fn parts(machine: &MachineSpec, setup: &FrameSetup) -> Vec<PartCost> {
     }
     // The difference without what is dropped is compared with both ends of the word.
     let gradient_word = u64::from(words.gradient_bits) + kept;
-    let round_word = rounds(u64::from(words.gradient_drop()) + extra(method));
-    let dropped = gradient_word + difference - (sample + 1) - extra(method);
+    let round_word = rounds(u64::from(words.gradient_drop()) + u64::from(method.row().extra_bits()));
+    let dropped = gradient_word + difference - (sample + 1) - u64::from(method.row().extra_bits());
     part("abc: gradient word", lanes, none.adders(3 * round_word, difference + kept).comparators(6, dropped));
 
     let normal = u64::from(words.normal_bits);
@@ -214,33 +214,21 @@ pub fn parts(machine: &MachineSpec, setup: &FrameSetup) -> Vec<PartCost> {
     parts
 }
 
-/// Bits by which the weights of a method's differences exceed 1.
-fn extra(method: GradientMethod) -> u64 {
-    match method {
-        GradientMethod::TwentySix | GradientMethod::TwentySixSheared => 4,
-        _ => 0,
-    }
-}
-
 /// Operators of a gradient estimator, and the width of its differences.
 fn gradient(method: GradientMethod, sample: u64, fraction: u64, round: u64, lerp: Sum) -> (Sum, u64) {
     let none = Sum::default();
-    let differences = none.adders(3, sample + 1);
-    // Nine differences of each component, and their sum.
-    let weighted = none.adders(3 * 9, sample + 1).adders(3 * 8, sample + 1 + 4);
-    let shear = |difference: u64| {
-        let along = difference + fraction + 1;
-        none.multipliers(2, difference, fraction).adders(1, along).adders(round, along).adders(1, difference + 2)
-    };
-    let difference = sample + 1 + extra(method);
-    match method {
-        GradientMethod::Six => (differences, difference),
-        GradientMethod::SixSheared => (differences.and(1, shear(difference)), difference + 2),
-        GradientMethod::TwentySix => (weighted, difference),
-        GradientMethod::TwentySixSheared => (weighted.and(1, shear(difference)), difference + 2),
-        GradientMethod::Ten | GradientMethod::TenNormalised => (differences.and(4, lerp), difference),
-        GradientMethod::Twelve => (differences.and(6, lerp), difference),
+    let (row, pairs) = (method.row(), u64::from(method.row().pairs()));
+    // The differences of each component, and their sum.
+    let sums = none.adders(3 * pairs, sample + 1).adders(3 * (pairs - 1), sample + 1 + u64::from(row.extra_bits()));
+    let difference = sample + 1 + u64::from(row.extra_bits());
+    let all = sums.and(u64::from(row.lerps()), lerp);
+    if !row.sheared {
+        return (all, difference);
     }
+    let along = difference + fraction + 1;
+    let shear =
+        none.multipliers(2, difference, fraction).adders(1, along).adders(round, along).adders(1, difference + 2);
+    (all.and(1, shear), difference + 2)
 }
 
 /// Lights that the shading units hold: those of the frame, or one.

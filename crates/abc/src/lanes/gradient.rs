@@ -2,21 +2,19 @@
 
 use super::{Around, HERE, LocalBlock, Neighbour, Neighbours};
 use cube3_frame::{GradientRegisters, GradientScale};
-use cube3_machine::GradientMethod;
+use cube3_machine::{Differences, GradientMethod};
 use cube3_word::{BLOCK, Block, Shift, Words};
 
 /// Whether a gradient method reads the neighbour at a displacement.
 pub(crate) fn reads(method: GradientMethod, by: [i64; 3]) -> bool {
     let distance: i64 = by.iter().map(|x| x.abs()).sum();
-    match method {
-        GradientMethod::Six | GradientMethod::SixSheared => distance == 1,
-        GradientMethod::TwentySix | GradientMethod::TwentySixSheared => true,
+    match method.row().differences {
+        Differences::Central => distance == 1,
+        Differences::Weighted => true,
         // The feet of the perpendiculars: behind towards lower rays and before towards higher ones.
-        GradientMethod::Ten | GradientMethod::TenNormalised => {
-            distance == 1 || (distance == 2 && (by[0] + by[1]) * by[2] < 0)
-        }
+        Differences::Feet => distance == 1 || (distance == 2 && (by[0] + by[1]) * by[2] < 0),
         // Behind on the side of the eye's lower slopes, before on the other.
-        GradientMethod::Twelve => distance == 1 || (by[2] != 0 && by[0] * by[2] <= 0 && by[1] * by[2] <= 0),
+        Differences::Bilinear => distance == 1 || (by[2] != 0 && by[0] * by[2] <= 0 && by[1] * by[2] <= 0),
     }
 }
 
@@ -36,7 +34,8 @@ pub(super) fn neighbours(method: Option<GradientMethod>, mirrored: bool) -> Vec<
 /// The gradient unit's lanes.
 #[derive(Clone, Copy, Debug)]
 pub struct GradientLanes {
-    method: GradientMethod,
+    differences: Differences,
+    sheared: bool,
     weights: [i32; 2],
     factors: Option<[u32; 3]>,
     lerp: Shift,
@@ -61,21 +60,20 @@ const BEFORE: [usize; 4] = [place(0, 1, 1), place(0, 1, 2), place(0, 2, 1), plac
 impl GradientLanes {
     /// Lanes for the registers of a frame.
     pub fn new(registers: GradientRegisters, words: &Words) -> GradientLanes {
-        let weighted = matches!(registers.method, GradientMethod::TwentySix | GradientMethod::TwentySixSheared);
-        let sheared = matches!(registers.method, GradientMethod::SixSheared | GradientMethod::TwentySixSheared);
-        let extra = if weighted { 4 } else { 0 };
+        let row = registers.method.row();
         // Bits of a difference, of a product of it, and of a sum of two.
-        let bits = words.sample_bits() + extra + u32::from(sheared) * 2;
+        let bits = words.sample_bits() + row.difference_bits();
         let weight_bits = words.weight_bits.max(if registers.scale.is_some() { GradientScale::FACTOR_BITS } else { 0 });
         let kept = registers.scale.map_or(0, |scale| scale.kept_bits);
         GradientLanes {
-            method: registers.method,
+            differences: row.differences,
+            sheared: row.sheared,
             weights: registers.weights.map(|weight| weight as i32),
             factors: registers.scale.map(|scale| scale.factors),
             lerp: words.rounding.by(words.weight_bits),
             scaling: words.rounding.by(GradientScale::FACTOR_BITS - kept),
             whole: words.rounding.by(GradientScale::FACTOR_BITS),
-            drop: words.rounding.by(words.gradient_drop() + extra),
+            drop: words.rounding.by(words.gradient_drop() + row.extra_bits()),
             top: ((1_i64 << (words.gradient_bits + kept - 1)) - 1) as i32,
             narrow: bits + weight_bits <= 30,
         }
@@ -95,11 +93,11 @@ impl GradientLanes {
     #[inline(always)]
     fn parallel<const WIDE: bool>(&self, around: &Around, out: &mut [Block<i32>; 3], overflow: &mut Block<u32>) {
         let [du, dv] = self.weights;
-        match self.method {
-            GradientMethod::Six | GradientMethod::SixSheared => central(around, out),
-            GradientMethod::TwentySix | GradientMethod::TwentySixSheared => weighted(around, out),
-            GradientMethod::Ten | GradientMethod::TenNormalised => feet::<WIDE>(around, [du, dv], self.lerp, out),
-            GradientMethod::Twelve => {
+        match self.differences {
+            Differences::Central => central(around, out),
+            Differences::Weighted => weighted(around, out),
+            Differences::Feet => feet::<WIDE>(around, [du, dv], self.lerp, out),
+            Differences::Bilinear => {
                 let [u, v, w] = out;
                 for i in 0..BLOCK {
                     u[i] = around[place(1, 1, 2)][i] - around[place(1, 1, 0)][i];
@@ -110,7 +108,7 @@ impl GradientLanes {
                 }
             }
         }
-        if matches!(self.method, GradientMethod::SixSheared | GradientMethod::TwentySixSheared) {
+        if self.sheared {
             let [u, v, w] = out;
             for i in 0..BLOCK {
                 w[i] -= self.along::<WIDE>([u[i], v[i]], [du, dv]);
@@ -149,13 +147,13 @@ impl GradientLanes {
         out: &mut [Block<i32>; 3],
         overflow: &mut Block<u32>,
     ) {
-        if matches!(self.method, GradientMethod::TwentySix | GradientMethod::TwentySixSheared) {
+        if self.differences == Differences::Weighted {
             weighted(around, out);
         } else {
             central(around, out);
         }
         let [u, v, w] = &mut *out;
-        if self.method == GradientMethod::Twelve {
+        if self.differences == Differences::Bilinear {
             let LocalBlock { behind: [behind_u, behind_v], before: [before_u, before_v], .. } = local;
             for i in 0..BLOCK {
                 let far = bilinear::<WIDE>(corners(around, BEHIND, i), behind_u[i], behind_v[i], self.lerp);
@@ -168,7 +166,7 @@ impl GradientLanes {
                 w[i] = self.whole.apply(i64::from(w[i]) * i64::from(nearness[i])) as i32;
             }
         }
-        if matches!(self.method, GradientMethod::SixSheared | GradientMethod::TwentySixSheared) {
+        if self.sheared {
             let [here_u, here_v] = &local.here;
             for i in 0..BLOCK {
                 w[i] -= self.along::<WIDE>([u[i], v[i]], [here_u[i], here_v[i]]);

@@ -5,7 +5,7 @@ use crate::{
     Classification, ConeRegisters, EndRegisters, FrameSetup, GradientRegisters, GradientScale, Normaliser, Phong,
     RayRegisters, ReflectanceTable, SLOPE_FRACTION_BITS, Shading,
 };
-use cube3_machine::GradientMethod;
+use cube3_machine::Differences;
 use cube3_scene::MOST_LIGHTS;
 use cube3_word::{Words, unit_full};
 
@@ -84,7 +84,7 @@ fn classification(setup: &FrameSetup) -> Checked {
 
 fn gradient(registers: &GradientRegisters, setup: &FrameSetup) -> Checked {
     let words = &setup.words;
-    let perpendicular = matches!(registers.method, GradientMethod::Ten | GradientMethod::TenNormalised);
+    let perpendicular = registers.method.row().differences == Differences::Feet;
     if perpendicular {
         let reason = "in perspective the feet of its perpendiculars differ for every ray";
         choice("gradient.method", registers.method, setup.rays.is_none(), reason)?;

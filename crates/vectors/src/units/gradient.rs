@@ -7,7 +7,7 @@ use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire, word_format
 use cube3_abc::golden::{Local, local_gradient_wires};
 use cube3_abc::lanes::{Around, GradientLanes, LocalBlock};
 use cube3_frame::{GradientRegisters, GradientScale};
-use cube3_machine::GradientMethod;
+use cube3_machine::{Differences, Estimator, GradientMethod};
 use cube3_word::{BLOCK, Block};
 
 /// The gradient of one estimator.
@@ -124,25 +124,7 @@ impl Gradient {
     }
 
     fn is_ten(&self) -> bool {
-        matches!(self.0, GradientMethod::Ten | GradientMethod::TenNormalised)
-    }
-
-    /// Name, title and RTL parameters.
-    fn names(&self) -> [&'static str; 3] {
-        match self.0 {
-            GradientMethod::Six => ["gradient-6", "Gradient, 6 neighbours", ".METHOD(6), .PERSPECTIVE(1)"],
-            GradientMethod::TwentySix => ["gradient-26", "Gradient, 26 neighbours", ".METHOD(26), .PERSPECTIVE(1)"],
-            GradientMethod::Ten | GradientMethod::TenNormalised => {
-                ["gradient-10", "Gradient, 10 neighbours", ".METHOD(10), .PERSPECTIVE(1)"]
-            }
-            GradientMethod::Twelve => ["gradient-12", "Gradient, 12 neighbours", ".METHOD(12), .PERSPECTIVE(1)"],
-            GradientMethod::SixSheared => {
-                ["gradient-6d", "Gradient, 6 neighbours and the ray's shear", ".METHOD(61), .PERSPECTIVE(1)"]
-            }
-            GradientMethod::TwentySixSheared => {
-                ["gradient-26d", "Gradient, 26 neighbours and the ray's shear", ".METHOD(261), .PERSPECTIVE(1)"]
-            }
-        }
+        self.0.row().differences == Differences::Feet
     }
 
     /// Purpose, wires, and whether a word can overflow.
@@ -392,7 +374,7 @@ fn ties(format: &Format) -> Vec<Vec<i128>> {
 
 impl Unit for Gradient {
     fn sheet(&self) -> Sheet {
-        let [name, title, parameters] = self.names();
+        let Estimator { unit: name, title, rtl_parameters: parameters, .. } = *self.0.row();
         let (purpose, wires, overflows) = self.arithmetic();
         let [mirrored, nearness] = if self.is_ten() { ["0", "2^16"] } else { ["1", "0"] };
         Sheet {
