@@ -1,19 +1,17 @@
 //! What a machine is made of, counted from its configuration: a row for each part.
-//!
-//! Operators are those of the units' `golden.rs`, one for one, as the synthesizer finds them in `tests/rtl`: a lerp is a multiplier, a subtracter and an adder, and an adder
-//! more where the product is rounded to nearest and drops bits. Shifts, selections and table look-ups are none.
 
 use crate::machine::RunCounters;
 use crate::overlap::{Overlap, neighbour_slots, sample_slots, voxel_slots};
 use cube3_cfb::memory::{edge_words, reorder_words};
 use cube3_cone::ConeSpec;
-use cube3_frame::{ConeRegisters, FrameSetup, GradientScale, LinearFactor, Sections, Shading};
+use cube3_frame::{ConeRegisters, FrameSetup, GradientScale, HalfSpace, LinearFactor, Sections, Shading};
+use cube3_machine::operators::{self, UNIT_MUL};
 use cube3_machine::{
-    ControllerKind, GradientMethod, Layout, MachineSpec, MemoryModel, RayEnds, RaySlots, Reuse, ShadingUnit,
+    ControllerKind, GradientMethod, Layout, MachineSpec, MemoryModel, OperatorCounts, RayEnds, RaySlots, Reuse,
+    ShadingUnit,
 };
-use cube3_report::{InterfaceReport, LinesReport, MemoryBits, OperatorCounts, OperatorsReport, ResourcesReport};
-use cube3_scene::{MOST_CUTS, MOST_LIGHTS};
-use cube3_word::Rounding;
+use cube3_report::{InterfaceReport, LinesReport, MemoryBits, OperatorsReport, ResourcesReport};
+use cube3_scene::MOST_LIGHTS;
 
 /// Counts a machine's resources for a volume of `dims` voxels, and what flowed through its interfaces in a run of `frames`. `interval`
 /// is the cycles from a frame to the next.
@@ -41,90 +39,65 @@ pub fn resources(
     }
 }
 
-fn counts(multipliers: u64, adders: u64, comparators: u64) -> OperatorCounts {
-    OperatorCounts { multipliers, adders, comparators, dividers: 0 }
-}
-
 /// Operators of each part of a machine that renders `frames`, which hold how many lights there are and which bits of the scaled gradients
 /// are kept; without any, one light and none.
 pub fn operators(machine: &MachineSpec, frames: &[FrameSetup]) -> Vec<OperatorsReport> {
     let words = &machine.words;
-    // The adder that rounds to nearest, where any bits are dropped.
-    let rounds = |dropped: u32| u64::from(words.rounding == Rounding::Nearest && dropped > 0);
     let lanes = machine.lanes as u64;
-    let lerp = counts(1, 2 + rounds(words.weight_bits), 0);
-    // Blinn's division: one addition before, one between the shifts, and one more when it truncates.
-    let unit_mul = counts(1, 2, 0);
     let mut parts = Vec::new();
     let mut part = |part: &str, count: u64, each: OperatorCounts| {
         if each != OperatorCounts::default() && count > 0 {
             parts.push(OperatorsReport { part: part.into(), count, each });
         }
     };
-    part("trilin", lanes, lerp.times(u64::from(machine.trilin.reuse.lerps())));
-    part("abc: gradient", lanes, gradient(machine.abc.gradient, lerp, rounds(words.weight_bits)));
+    part("trilin", lanes, operators::lerp(words).times(u64::from(machine.trilin.reuse.lerps())));
+    part("abc: gradient", lanes, operators::gradient(machine.abc.gradient, words));
     let of_frame = frames.iter().filter_map(|setup| setup.gradient.as_ref());
     let near = of_frame.clone().map(|registers| registers.method).find(|&method| method != machine.abc.gradient);
     if let Some(near) = near {
-        part("abc: gradient for near eyes", lanes, gradient(near, lerp, rounds(words.weight_bits)));
+        part("abc: gradient for near eyes", lanes, operators::gradient(near, words));
     }
     if machine.abc.gradient.row().normalised {
         let kept = of_frame.filter_map(|registers| registers.scale).map(|scale| scale.kept_bits).min().unwrap_or(0);
-        part("abc: gradient scale", lanes, counts(3, 3 * rounds(GradientScale::FACTOR_BITS - kept), 0));
+        part("abc: gradient scale", lanes, operators::gradient_scale(words, GradientScale::FACTOR_BITS - kept));
     }
     // The one shift also takes back by how much the weights of 26 exceed 1.
     let weights = |method: GradientMethod| method.row().extra_bits();
     let exceed = weights(machine.abc.gradient).max(near.map_or(0, weights));
-    part("abc: gradient word", lanes, counts(0, 3 * rounds(words.gradient_drop() + exceed), 6));
-    // Magnitudes, squares and their sum, the products with the root, rounded, held at one, and the signs.
-    part("abc: normaliser", lanes, counts(6, 3 + 2 + 3 + 3, 3));
-    part("abc: magnitude", lanes, counts(3, 3, 0));
+    part("abc: gradient word", lanes, operators::gradient_word(words, exceed));
+    part("abc: normaliser", lanes, operators::NORMALISER);
+    part("abc: magnitude", lanes, operators::MAGNITUDE);
     match machine.abc.shading {
-        ShadingUnit::Phong => {
-            // For each light two cosines, the power table's index, three diffuse and three specular products and sums.
-            let one_bits = words.normal_bits - 1;
-            let cosine = counts(3, 2 + 1 + rounds(one_bits), 1);
-            let products = counts(6, 3 * rounds(one_bits) + 3 * rounds(words.colour_bits) + 6, 0);
-            let index = counts(0, rounds(one_bits.saturating_sub(machine.abc.power_bits)), 0);
-            let light = cosine.times(2) + index + products;
-            part("abc: a light", lanes * lights(frames), light);
-        }
-        ShadingUnit::ReflectanceTable => {
-            let direction = OperatorCounts { multipliers: 0, adders: 3 + 2, comparators: 2 + 2, dividers: 2 };
-            part("abc: direction", lanes, direction);
-        }
+        ShadingUnit::Phong => part("abc: a light", lanes * lights(frames), operators::light(machine)),
+        ShadingUnit::ReflectanceTable => part("abc: direction", lanes, operators::DIRECTION),
     }
-    part("abc: lit colour", lanes, counts(3, 3 * rounds(words.colour_bits) + 3, 3));
-    part("abc: threshold and row", lanes, counts(0, 0, 3));
-    part("abc: depth cue", lanes, counts(3, 1 + 3 * rounds(LinearFactor::WORD_BITS), 2));
-    let clips = MOST_CUTS as u64 + 6;
-    part("abc: cut planes and crop box", lanes, counts(0, clips, clips));
+    part("abc: lit colour", lanes, operators::lit_colour(words));
+    part("abc: threshold and row", lanes, operators::THRESHOLD + operators::ROW);
+    part("abc: depth cue", lanes, operators::depth_cue(words, LinearFactor::WORD_BITS));
+    let clips = HalfSpace::MOST as u64;
+    part("abc: cut planes and crop box", lanes, operators::half_spaces(clips));
     if machine.rays.ends == RayEnds::Exact {
         // For each half-space the distance after a step, two comparisons and a restoring divider; the smallest of all; and once the sum of
         // two reaches, its product with the step, rounded. Of a slot up to three rays have two ends each.
         let half_spaces = clips + 6;
         let reach = OperatorCounts { multipliers: 0, adders: 2, comparators: 3, dividers: 1 };
         let rays = if machine.rays.slots == RaySlots::Wrapped { 3 } else { 1 };
-        part("abc: ends of rays", 2 * rays, reach.times(half_spaces) + counts(1, 2, 0));
+        part("abc: ends of rays", 2 * rays, reach.times(half_spaces) + OperatorCounts::new(1, 2, 0));
         // The faces beside the clips, and whether the samples before and behind are in their place.
-        part("abc: faces of the volume", lanes, counts(0, 6, 0));
+        part("abc: faces of the volume", lanes, OperatorCounts::new(0, 6, 0));
     }
-    part("cone: leaf", lanes, unit_mul.times(3) + counts(0, 0, 1));
+    part("cone: leaf", lanes, UNIT_MUL.times(3) + OperatorCounts::new(0, 0, 1));
     part(
         "cone: node",
         ConeSpec::of(machine, machine.lanes).nodes() as u64,
-        counts(0, 1, 1) + (unit_mul + counts(0, 1, 0)).times(4),
+        OperatorCounts::new(0, 1, 1) + (UNIT_MUL + OperatorCounts::new(0, 1, 0)).times(4),
     );
-    part("cone: weight of a sum", 1, counts(4, 4 * rounds(ConeRegisters::WEIGHT_BITS), 4));
+    part(
+        "cone: weight of a sum",
+        1,
+        OperatorCounts::new(4, 4 * operators::rounds(words, ConeRegisters::WEIGHT_BITS), 4),
+    );
     parts
-}
-
-/// Operators of a gradient estimator. `round` is the adder that rounds a product with a weight.
-fn gradient(method: GradientMethod, lerp: OperatorCounts, round: u64) -> OperatorCounts {
-    let (row, pairs) = (method.row(), u64::from(method.row().pairs()));
-    // The differences of each component, and their sum.
-    let differences = counts(0, 3 * (2 * pairs - 1), 0) + lerp.times(u64::from(row.lerps()));
-    if row.sheared { differences + counts(2, 2 + round, 0) } else { differences }
 }
 
 /// Lights that the shading units hold: those of the frames, or one.

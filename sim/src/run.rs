@@ -23,10 +23,11 @@ use cube3_frame::{BasePlane, FrameSetup, Geometry};
 use cube3_host::{PictureFrames, canonical, picture_setup, warp_passes};
 use cube3_machine::{MachineSpec, RaySlots, TemplateRule};
 use cube3_metrics::{Picture, compare, difference, footprint, suggested_factor};
+use cube3_plan::{Item, Savings};
 use cube3_report::{
     ChannelReport, DigestReport, ErrorReport, LeftOut, LinkReport, MemoryTraffic, OpacityReport, PassReport,
-    PerspectiveReport, PlanReport, Program, ReorderTraffic, RunReport, SCHEMA, SequenceReport, TimingCounts,
-    TrafficReport, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport, sha256_hex,
+    PerspectiveReport, PlanReport, Program, ReorderTraffic, RunReport, SCHEMA, SavingsReport, SequenceReport,
+    TimingCounts, TrafficReport, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport, sha256_hex,
 };
 use cube3_scene::Scene;
 use std::collections::BTreeMap;
@@ -503,12 +504,22 @@ fn pass_report(setup: &FrameSetup) -> Option<PassReport> {
 }
 
 fn left_out(frames: &PictureFrames) -> Vec<LeftOut> {
-    let entry = |left: &cube3_host::LeftOut| LeftOut {
-        what: left.what.clone(),
-        why: left.why.clone(),
-        saves: left.saves.clone(),
+    let entry = |item: &Item| {
+        let (row, savings) = (item.row(), savings(&item.savings));
+        LeftOut {
+            rule: row.name.into(),
+            what: row.what.into(),
+            why: item.why.into(),
+            saves: savings.in_words(),
+            savings,
+        }
     };
     frames.left_out.iter().map(entry).collect()
+}
+
+fn savings(saved: &Savings) -> SavingsReport {
+    let Savings { operators, cycles, bytes, operations, passes } = *saved;
+    SavingsReport { operators_per_lane: operators, cycles, bytes, operations, passes }
 }
 
 fn unit_reports(counters: &RunCounters) -> Vec<UnitReport> {

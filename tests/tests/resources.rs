@@ -5,11 +5,12 @@ use cube3::machine::{Machine, RunCounters};
 use cube3::resources::resources;
 use cube3_frame::FrameSetup;
 use cube3_host::{VolumeInfo, frame_setup};
+use cube3_machine::OperatorCounts;
 use cube3_machine::{
     Abc, Boards, Bus, Cfb, ControllerKind, GradientMethod, HostLink, LookAheadFreed, LookAheadUnit, MachineSpec,
     MemoryType, RayEnds, RaySlots, Rays, Reuse, Trilin,
 };
-use cube3_report::{OperatorCounts, ResourcesReport};
+use cube3_report::ResourcesReport;
 use cube3_scene::{Scene, View};
 use cube3_word::{Rounding, Words};
 

@@ -7,8 +7,8 @@
 use cube3::resources::operators;
 use cube3_frame::FrameSetup;
 use cube3_host::{VolumeInfo, frame_setup};
+use cube3_machine::OperatorCounts;
 use cube3_machine::{Abc, GradientMethod, MachineSpec, Reuse, ShadingUnit, Trilin};
-use cube3_report::OperatorCounts;
 use cube3_scene::{Material, Scene, View};
 use cube3_tests::rtl::{self, Parameters};
 use cube3_word::{Rounding, Words};

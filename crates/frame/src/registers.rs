@@ -240,6 +240,11 @@ pub struct Normaliser {
 }
 
 impl Normaliser {
+    /// Entries of a table with so many index bits.
+    pub fn entries(root_bits: u32) -> u64 {
+        11 << root_bits
+    }
+
     /// The table for components of `normal_bits`.
     pub fn new(normal_bits: u32, root_bits: u32) -> Normaliser {
         let bin = f64::from(1_u32 << (2 * normal_bits - 2 - root_bits));

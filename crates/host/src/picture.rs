@@ -3,10 +3,11 @@
 //! A ray of the picture belongs to the *pass* of its major axis, the voxel axis and sign along which it is longest in voxels; ties go
 //! to z before y before x. Each pass is a frame of its own with its own base plane, and the warp joins them.
 
-use crate::setup::{check_perspective, checked_view, reads_gradients, registers, template_rule, wanted_offset};
-use crate::{HostError, LeftOut, VolumeInfo, canonical, frame_setup};
+use crate::setup::{check_perspective, checked_view, registers, template_rule, wanted_offset};
+use crate::{HostError, VolumeInfo, canonical, frame_setup};
 use cube3_frame::{Axes, FrameSetup, Geometry, PassShape};
 use cube3_machine::MachineSpec;
+use cube3_plan::{Item, Plan, Rules};
 use cube3_scene::{ImagePlane, Scene, ViewFrame};
 
 /// The frames of a picture as the host has set them up.
@@ -22,10 +23,10 @@ pub struct PictureFrames {
     /// The eye in voxel coordinates.
     pub eye_voxel: Option<[f64; 3]>,
     /// What the plan left out of the setups.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<Item>,
 }
 
-/// Sets up the frames of a picture; see [`frame_setup`] for `plan`.
+/// Sets up the frames of a picture; see [`frame_setup`] for `rules`.
 ///
 /// # Errors
 /// A view without a direction, volumes too large for the registers, and in perspective a gradient or shading unit that needs parallel
@@ -34,18 +35,20 @@ pub fn picture_setup(
     scene: &Scene,
     machine: &MachineSpec,
     volume: &VolumeInfo,
-    plan: bool,
+    rules: impl Into<Rules>,
 ) -> Result<PictureFrames, HostError> {
+    let rules = rules.into();
     let view = checked_view(scene, volume)?;
     let plane = ImagePlane::new(scene, &view, volume.dims, volume.spacing);
     let Some(eye_world) = plane.eye else {
-        let frame = frame_setup(scene, machine, volume, plan)?;
+        let frame = frame_setup(scene, machine, volume, rules)?;
         return Ok(PictureFrames { setups: vec![frame.setup], view, plane, eye_voxel: None, left_out: frame.left_out });
     };
     check_perspective(scene, machine)?;
     let given = scene.view.perspective.and_then(|perspective| perspective.eye_voxel);
     let eye = given.unwrap_or([0, 1, 2].map(|i| eye_world[i] / volume.spacing[i]));
     let offset = wanted_offset(scene, machine);
+    let plan = Plan::new(scene, machine, rules);
     let mut frames = PictureFrames { setups: Vec::new(), view, plane, eye_voxel: Some(eye), left_out: Vec::new() };
     let shape = |axes: Axes| {
         let size = axes.permute(volume.dims);
@@ -57,7 +60,7 @@ pub fn picture_setup(
             weight_bits: machine.words.weight_bits,
             rule: template_rule(scene, machine),
             grid: machine.rays.grid,
-            reach: if reads_gradients(scene) { machine.abc.reach } else { 1 },
+            reach: if plan.needs.gradient { machine.abc.reach } else { 1 },
             joins: false,
         }
     };
@@ -68,21 +71,9 @@ pub fn picture_setup(
         let Some(geometry) = geometry else {
             continue;
         };
-        let (setup, left_out) = registers(scene, machine, volume, plan, &view, geometry);
-        for left in left_out {
-            if !frames.left_out.iter().any(|known| known.what == left.what) {
-                frames.left_out.push(left);
-            }
-        }
-        frames.setups.push(setup);
+        frames.setups.push(registers(scene, machine, volume, &plan, &view, geometry));
     }
-    if plan {
-        frames.left_out.push(LeftOut {
-            what: "base planes of the other faces".into(),
-            why: "no ray of the picture that meets the volume has its major axis there".into(),
-            saves: format!("{} of 6 passes", 6 - frames.setups.len()),
-        });
-    }
+    frames.left_out = plan.items(machine, scene.lights.len(), &frames.setups);
     Ok(frames)
 }
 

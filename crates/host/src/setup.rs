@@ -6,7 +6,8 @@ use cube3_frame::{
     ConeRegisters, EndRegisters, FrameSetup, Geometry, GradientRegisters, HalfSpace, LARGEST_SIDE, Normaliser,
     Perspective, RayRegisters, largest_offset, slope_register,
 };
-use cube3_machine::{Abc, BusKind, Differences, GradientMethod, MachineSpec, RaySlots, ShadingUnit, TemplateRule};
+use cube3_machine::{Abc, BusKind, Differences, GradientMethod, MachineSpec, ShadingUnit, TemplateRule};
+use cube3_plan::{Item, Needs, Part, Plan, Rule, Rules};
 use cube3_scene::{Mode, Scene, SceneError, ViewFrame};
 use cube3_word::{quantise_fraction, quantise_unit};
 use std::borrow::Cow;
@@ -113,31 +114,27 @@ pub struct Frame {
     /// The picture's axes.
     pub view: ViewFrame,
     /// What the plan left out of the setup.
-    pub left_out: Vec<LeftOut>,
-}
-
-/// Something that this scene does not need on this machine.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LeftOut {
-    /// The unit, table or buffer.
-    pub what: String,
-    /// Why it cannot change the picture.
-    pub why: String,
-    /// What that saves.
-    pub saves: String,
+    pub left_out: Vec<Item>,
 }
 
 /// Sets up the frame of parallel rays along the view's direction; [`picture_setup`](crate::picture_setup) is for every view. With
-/// `plan`, what cannot change a bit of the picture is left out; without, gradient, normaliser, shading and depth cue run in every
-/// frame, on registers that change nothing where the scene does not ask for them.
+/// the rules of the plan, what cannot change a bit of the picture is left out; without, gradient, normaliser, shading and depth cue run in
+/// every frame, on registers that change nothing where the scene does not ask for them.
 ///
 /// # Errors
 /// A view without a direction, and volumes too large for the registers.
-pub fn frame_setup(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, plan: bool) -> Result<Frame, HostError> {
+pub fn frame_setup(
+    scene: &Scene,
+    machine: &MachineSpec,
+    volume: &VolumeInfo,
+    rules: impl Into<Rules>,
+) -> Result<Frame, HostError> {
     let view = checked_view(scene, volume)?;
     check_ends(scene, machine)?;
     let geometry = geometry(scene, machine, volume, &view);
-    let (setup, left_out) = registers(scene, machine, volume, plan, &view, geometry);
+    let plan = Plan::new(scene, machine, rules.into());
+    let setup = registers(scene, machine, volume, &plan, &view, geometry);
+    let left_out = plan.items(machine, scene.lights.len(), std::slice::from_ref(&setup));
     Ok(Frame { setup, view, left_out })
 }
 
@@ -159,9 +156,9 @@ pub(crate) fn check_perspective(scene: &Scene, machine: &MachineSpec) -> Result<
     if let Some(section) = machine.rays.section {
         return Err(HostError::Sections { section });
     }
-    let (lit, rows) = (is_lit(scene), scene.transfer.is_two_dimensional());
+    let needs = Needs::of(scene, machine);
     let gradient = machine.abc.gradient;
-    if (lit || rows) && gradient.row().needs_parallel_rays() {
+    if needs.gradient && gradient.row().needs_parallel_rays() {
         return Err(HostError::Perspective {
             key: "abc.gradient",
             value: gradient.name(),
@@ -169,7 +166,7 @@ pub(crate) fn check_perspective(scene: &Scene, machine: &MachineSpec) -> Result<
             remedy: "12",
         });
     }
-    if lit && machine.abc.shading == ShadingUnit::ReflectanceTable {
+    if needs.light && machine.abc.shading == ShadingUnit::ReflectanceTable {
         return Err(HostError::Perspective {
             key: "abc.shading",
             value: "reflectance-table",
@@ -208,16 +205,6 @@ pub(crate) fn corrects_opacity(scene: &Scene) -> bool {
     scene.mode == Mode::Composite && scene.transfer.opacity_correction
 }
 
-/// Whether a scene's pixels are lit colours.
-fn is_lit(scene: &Scene) -> bool {
-    scene.material.shaded && lights_matter(scene.mode)
-}
-
-/// Whether pixels of a scene depend on gradients.
-pub(crate) fn reads_gradients(scene: &Scene) -> bool {
-    is_lit(scene) || scene.transfer.is_two_dimensional()
-}
-
 /// Rays that are no farther apart than this anywhere, in voxels, are near throughout.
 const NEAR_SPACING: f64 = 2.0;
 
@@ -239,100 +226,43 @@ pub(crate) fn in_frame<'a>(machine: &'a MachineSpec, geometry: &Geometry) -> Cow
     Cow::Owned(MachineSpec { abc: Abc { gradient, ..machine.abc }, ..machine.clone() })
 }
 
-/// All registers and tables for a geometry, and what the plan left out.
+/// All registers and tables for a geometry, of the parts that the plan gives the frame.
 pub(crate) fn registers(
     scene: &Scene,
     machine: &MachineSpec,
     volume: &VolumeInfo,
-    plan: bool,
+    plan: &Plan,
     view: &ViewFrame,
     geometry: Geometry,
-) -> (FrameSetup, Vec<LeftOut>) {
+) -> FrameSetup {
     let machine = &*in_frame(machine, &geometry);
     let basis = Basis::new(&geometry, volume.spacing, machine.abc.gradient);
     let words = machine.words;
-    let lit = is_lit(scene);
     let rows = classification::gradient_rows(scene, machine, volume, &basis);
-    let mut left_out = Vec::new();
-    let mut leave = |what: &str, why: &str, saves: String| {
-        left_out.push(LeftOut { what: what.into(), why: why.into(), saves });
-    };
-    let gradient_needed = lit || rows.is_some();
-    let gradient = (gradient_needed || !plan).then(|| gradient_registers(machine, &geometry, &basis, plan));
-    if !gradient_needed && plan {
-        let planes = machine.abc.planes * geometry.size[2] * geometry.slot_counts()[0];
-        leave(
-            "gradient unit",
-            "nothing in this scene reads a gradient",
-            format!("{planes} words of sample planes, a plane of fill"),
-        );
-    }
-    if let Some(registers) = &gradient
-        && plan
-        && registers.scale.is_none()
-    {
-        let why = match registers.method.row().normalised {
-            false => "this estimator uses its differences as they are",
-            true => "the voxels are cubes and the differences are taken over equal lengths",
-        };
-        leave("gradient scale", why, "3 multipliers a lane".into());
-    }
-    if !lit && plan {
-        leave("shading unit", "this mode or material uses colours as they are", "normaliser and lights".into());
-    }
-    if scene.depth_cue.is_none() && plan {
-        leave("depth cueing", "the scene has none", "3 multipliers a lane".into());
-    }
-    if rows.is_none() && plan {
-        leave(
-            "gradient rows of the opacity table",
-            "opacity depends on the value alone",
-            format!("{} table entries", ((1 << words.table_gradient_bits) - 1) << words.table_bits),
-        );
-    }
-    let normal_needed = rows.is_some() || (lit && machine.abc.shading == ShadingUnit::Phong);
-    if gradient_needed && !normal_needed && plan {
-        leave(
-            "normaliser",
-            "the reflectance table reads the direction alone",
-            "6 multipliers a lane and the root table".into(),
-        );
-    }
-    let clips = clips(scene, machine, &geometry);
-    if clips.is_empty() && plan {
-        leave("cut planes and crop box", "the scene has none", "12 comparators a lane".into());
-    }
-    if plan && !geometry.closes()[1] && geometry.slots == RaySlots::Wrapped {
-        let words = geometry.size[0] * geometry.size[2];
-        leave(
-            "closing planes",
-            "no slot is shared along v in this view",
-            format!("{words} voxels and {} samples of buffer", 2 * words),
-        );
-    }
+    let gradient = plan.gradient.is_there().then(|| gradient_registers(machine, &geometry, &basis, plan.rules));
     let steps = StepLengths::new(corrects_opacity(scene), &geometry, volume.spacing);
     let rays = geometry
         .perspective
         .as_ref()
-        .map(|pass| ray_registers(scene, volume, &geometry, pass, &basis, machine.abc.gradient, &steps));
+        .map(|pass| ray_registers(scene, volume, plan.needs, &geometry, pass, &basis, machine.abc.gradient, &steps));
     let ends = ends::registers(scene, machine, &geometry, &steps.lengths);
     let whole = ends.as_ref().map(|_| whole_step_opacity(scene.mode, &words, geometry.bounding_planes()));
     let entries = OpacityEntries::new(scene, machine, volume, steps.lengths, rows, &basis);
     let cue = scene.depth_cue.as_ref().map(|cue| golden::depth_cue(cue, &geometry, volume.spacing, view));
-    let setup = FrameSetup {
+    FrameSetup {
         schema: 1,
         words,
         reuse: machine.trilin.reuse,
-        clips,
+        clips: clips(scene, machine, &geometry),
         classification: classification::tables(scene, machine, volume, &entries, rows, whole),
         gradient,
-        normaliser: (normal_needed || !plan).then(|| Normaliser::new(words.normal_bits, machine.abc.root_bits)),
-        shading: if lit {
-            Some(shading::registers(scene, machine, view, &geometry, &basis))
-        } else {
-            (!plan).then(|| shading::neutral(machine))
+        normaliser: plan.normaliser.is_there().then(|| Normaliser::new(words.normal_bits, machine.abc.root_bits)),
+        shading: match plan.shading {
+            Part::Needed => Some(shading::registers(scene, machine, view, &geometry, &basis)),
+            Part::Idle => Some(shading::neutral(machine)),
+            Part::Absent => None,
         },
-        depth_cue: cue.or_else(|| (!plan).then(neutral_cue)),
+        depth_cue: cue.or_else(|| plan.depth_cue.is_there().then(neutral_cue)),
         cone: ConeRegisters {
             mode: scene.mode,
             order: machine.cone.kind.order(),
@@ -343,13 +273,13 @@ pub(crate) fn registers(
         geometry,
         rays,
         ends,
-    };
-    (setup, left_out)
+    }
 }
 
 fn ray_registers(
     scene: &Scene,
     volume: &VolumeInfo,
+    needs: Needs,
     geometry: &Geometry,
     pass: &Perspective,
     basis: &Basis,
@@ -372,7 +302,7 @@ fn ray_registers(
         view_w: view(s[2]),
         view_u: view_u.into_iter().map(view).collect(),
         view_v: view_v.into_iter().map(view).collect(),
-        at_eye: if is_lit(scene) {
+        at_eye: if needs.light {
             scene.lights.iter().map(|light| light.direction.is_none()).collect()
         } else {
             Vec::new()
@@ -402,11 +332,6 @@ fn clips(scene: &Scene, machine: &MachineSpec, geometry: &Geometry) -> Vec<HalfS
     cuts.chain(scene.crop.iter().flat_map(|crop| golden::crop(geometry, crop, whole_steps))).collect()
 }
 
-/// Modes whose pixel is a lit colour; the others show values.
-fn lights_matter(mode: Mode) -> bool {
-    matches!(mode, Mode::Composite | Mode::FirstOpaque | Mode::LastOpaque)
-}
-
 /// The sample offset that is asked for, a fraction of the weight bits. Where the largest or smallest value counts it is 0: between two planes a
 /// lerp only comes nearer to the mean, and halfway a single bright voxel is half as bright.
 pub(crate) fn wanted_offset(scene: &Scene, machine: &MachineSpec) -> u32 {
@@ -429,7 +354,8 @@ fn geometry(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo, view: &Vi
     Geometry::new(size, canonical.axes, slopes, offset, bits, rule, machine.rays.slots)
 }
 
-fn gradient_registers(machine: &MachineSpec, geometry: &Geometry, basis: &Basis, plan: bool) -> GradientRegisters {
+fn gradient_registers(machine: &MachineSpec, geometry: &Geometry, basis: &Basis, rules: Rules) -> GradientRegisters {
+    let kept = !rules.follow(Rule::GradientScale);
     let method = machine.abc.gradient;
     let weights = match method.row().differences {
         Differences::Feet => basis.feet,
@@ -438,7 +364,7 @@ fn gradient_registers(machine: &MachineSpec, geometry: &Geometry, basis: &Basis,
     GradientRegisters {
         method,
         weights: weights.map(|weight| quantise_fraction(weight, machine.words.weight_bits)),
-        scale: Some(gradient_scale(machine, basis)).filter(|scale| basis.varies || !is_unity(scale) || !plan),
+        scale: Some(gradient_scale(machine, basis)).filter(|scale| basis.varies || !is_unity(scale) || kept),
         border: 0,
     }
 }

@@ -7,6 +7,7 @@ mod choices;
 mod controller;
 mod estimators;
 mod memory;
+pub mod operators;
 mod presets;
 mod spec;
 
@@ -17,6 +18,7 @@ pub use choices::{
 pub use controller::{BankHash, BankHashRow, BurstOrder, ControllerKind, LookAheadFreed, LookAheadUnit};
 pub use estimators::{Differences, ESTIMATORS, Estimator};
 pub use memory::{Command, Constraint, MemoryModel, Rows, Scope, Span};
+pub use operators::OperatorCounts;
 pub use presets::PRESETS;
 pub use spec::{
     Abc, Acquisition, Boards, Bus, Cfb, ChannelSize, Channels, Cone, Dsb, Frames, HostLink, MachineError, MachineSpec,

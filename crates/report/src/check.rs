@@ -1,10 +1,11 @@
 //! What must hold in every report.
 
+use cube3_machine::OperatorCounts;
 use cube3_metrics::ImageError;
 
 use crate::{
-    ChannelReport, OpacityReport, OperatorCounts, ReportError, ResourcesReport, RunReport, SCHEMA, TimingReport,
-    TrafficReport, UnitReport,
+    ChannelReport, OpacityReport, ReportError, ResourcesReport, RunReport, SCHEMA, TimingReport, TrafficReport,
+    UnitReport,
 };
 
 /// How far two ways to compute one number may differ, relative to it.

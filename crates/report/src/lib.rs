@@ -22,6 +22,7 @@ mod png;
 mod quantity;
 mod resources_report;
 mod run_report;
+mod savings;
 mod sequence;
 mod shares;
 mod table;
@@ -34,13 +35,14 @@ pub use opacity_report::{OpacityChange, OpacityReport};
 pub use png::{png_rgb8, to_rgb8};
 pub use quantity::{count, number, percentage};
 pub use resources_report::{
-    InterfaceReport, LimitWithout, LimitsReport, LinesReport, LinkReport, MemoryBits, MemoryTraffic, OperatorCounts,
-    OperatorsReport, ReorderTraffic, ResourcesReport, TrafficReport,
+    InterfaceReport, LimitWithout, LimitsReport, LinesReport, LinkReport, MemoryBits, MemoryTraffic, OperatorsReport,
+    ReorderTraffic, ResourcesReport, TrafficReport,
 };
 pub use run_report::{
     AxesReport, ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, NO_OBJECT, PassReport,
     PerspectiveReport, PlanReport, Program, ReferenceError, RunReport, SCHEMA, SidesReport, TimingCounts, TimingReport,
     UnitReport, ViewReport, VolumeReport, WallReport, WordsReport,
 };
+pub use savings::SavingsReport;
 pub use sequence::{AcquisitionReport, FrameReport, SequenceReport};
 pub use table::table;

@@ -1,5 +1,6 @@
 //! What limits the machine, and what it is made of.
 
+use cube3_machine::OperatorCounts;
 use serde::{Deserialize, Serialize};
 
 /// Which resource sets the frame rate, and what each would give if it were no limit.
@@ -47,50 +48,6 @@ pub struct ResourcesReport {
     pub fps_per_memory_gb_per_s: f64,
     /// Sustained samples per second for each multiplier.
     pub samples_per_s_per_multiplier: f64,
-}
-
-/// Operators, by kind.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct OperatorCounts {
-    /// Multipliers.
-    pub multipliers: u64,
-    /// Adders and subtracters; the one that rounds a product counts.
-    pub adders: u64,
-    /// Comparators of magnitude.
-    pub comparators: u64,
-    /// Dividers.
-    pub dividers: u64,
-}
-
-impl OperatorCounts {
-    /// So many of each.
-    pub fn times(self, count: u64) -> Self {
-        Self {
-            multipliers: self.multipliers * count,
-            adders: self.adders * count,
-            comparators: self.comparators * count,
-            dividers: self.dividers * count,
-        }
-    }
-}
-
-impl std::ops::Add for OperatorCounts {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self {
-            multipliers: self.multipliers + other.multipliers,
-            adders: self.adders + other.adders,
-            comparators: self.comparators + other.comparators,
-            dividers: self.dividers + other.dividers,
-        }
-    }
-}
-
-impl std::iter::Sum for OperatorCounts {
-    fn sum<I: Iterator<Item = Self>>(counts: I) -> Self {
-        counts.fold(Self::default(), |sum, counts| sum + counts)
-    }
 }
 
 /// Operators of one part of the machine.

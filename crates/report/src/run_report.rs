@@ -6,7 +6,7 @@ use cube3_metrics::{ImageComparison, ImageError};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::{LimitsReport, OpacityReport, ResourcesReport, SequenceReport, TrafficReport, measures};
+use crate::{LimitsReport, OpacityReport, ResourcesReport, SavingsReport, SequenceReport, TrafficReport, measures};
 
 /// The number of the present layout. It rises when a key changes its meaning or goes away.
 pub const SCHEMA: u32 = 1;
@@ -190,14 +190,20 @@ pub struct PlanReport {
 }
 
 /// One thing that the scene does not need.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LeftOut {
+    /// The rule that left it out, such as `gradient-unit`.
+    #[serde(default)]
+    pub rule: String,
     /// The unit, plane, beam, table or sample.
     pub what: String,
     /// Why it cannot change the picture.
     pub why: String,
     /// What that saves, in words and numbers.
     pub saves: String,
+    /// What that saves, in numbers.
+    #[serde(default)]
+    pub savings: SavingsReport,
 }
 
 /// The machine's time, at the machine's clock.

@@ -7,8 +7,8 @@
 use crate::resources;
 use cube3_cone::ConeSpec;
 use cube3_frame::{ConeRegisters, FrameSetup, GradientScale, HalfSpace, LARGEST_SIDE, LinearFactor};
+use cube3_machine::OperatorCounts;
 use cube3_machine::{GradientMethod, MachineSpec, ShadingUnit};
-use cube3_report::OperatorCounts;
 use cube3_scene::{MOST_CUTS, MOST_LIGHTS};
 use cube3_word::Rounding;
 use serde::Serialize;

@@ -42,14 +42,20 @@ pub fn report() -> RunReport {
             enabled: true,
             left_out: vec![
                 LeftOut {
+                    rule: "half-spaces".into(),
                     what: "cut planes".into(),
                     why: "the scene has none".into(),
                     saves: "6 comparators in each of 128 lanes".into(),
+                    savings: SavingsReport {
+                        operators_per_lane: OperatorCounts::new(0, 0, 6),
+                        ..SavingsReport::default()
+                    },
                 },
                 LeftOut {
                     what: "1,204 beams".into(),
                     why: "every voxel in them has opacity 0 under the transfer function".into(),
                     saves: "7.3 % of the fetches".into(),
+                    ..LeftOut::default()
                 },
             ],
         },
