@@ -113,7 +113,7 @@ fn lights(frames: &[FrameSetup]) -> u64 {
 pub(crate) const FRAME_BUFFER: &str = "frame buffer";
 
 /// Bits of memory, by what they hold.
-pub(crate) fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSetup]) -> Vec<MemoryBits> {
+pub fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSetup]) -> Vec<MemoryBits> {
     let words = &machine.words;
     let voxels: u64 = dims.iter().map(|&n| n as u64).product();
     let mut memory = Vec::new();

@@ -12,6 +12,7 @@ pub const FLOORS: &[(&str, &[&str])] = &[
     ("ground", &["word", "channel", "volume", "scene", "metrics"]),
     ("machine", &["machine"]),
     ("frame", &["frame"]),
+    ("plan", &["plan"]),
     ("host", &["host"]),
     ("units", &["cfb"]),
     ("units", &["dsb"]),
@@ -29,6 +30,7 @@ pub const FLOORS: &[(&str, &[&str])] = &[
 /// Rooms that must not use another, though it is below them, each with the reason.
 pub const WALLS: &[(&[&str], &str, &str)] = &[
     (&["cfb", "dsb", "trilin", "abc", "cone"], "host", "a unit knows registers, and not who makes them"),
+    (&["cfb", "dsb", "trilin", "abc", "cone"], "plan", "a unit is there or not, and does not ask why"),
     (&["definition"], "host", "a frame is what its registers say, whoever made them"),
     (&["reference", "twin"], "host", "what is measured with does not run what is measured"),
     (&["reference"], "frame", "image order knows scene and volume alone"),
