@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use cube3_machine::OperatorCounts;
 use cube3_metrics::{ImageComparison, ImageError};
 use cube3_report::*;
 use serde_json::json;
