@@ -439,7 +439,7 @@ proptest! {
                     let [x, y, z] = geometry.axes.voxel(geometry.size, uvw);
                     volume.words.get(x + volume.dims[0] * (y + volume.dims[1] * z)).copied()
                 };
-                for (([_, plane, k], _), line) in cube3_cfb::scan(geometry, &Sections::new(geometry, None)).zip(&turned.outputs) {
+                for (([_, plane, k], _), line) in cube3_cfb::scan(geometry, &Sections::of_frame(geometry, None)).zip(&turned.outputs) {
                     for slot in 0..machine.lanes {
                         let lane = (slot + k as usize) % machine.lanes;
                         prop_assert_eq!(Some(line[1 + lane] as u16), word(plane as usize, slot, k as usize));

@@ -56,7 +56,7 @@ struct NaiveBeam {
 fn naive_beams(machine: &MachineSpec, setups: &[FrameSetup]) -> Vec<NaiveBeam> {
     let mut beams = Vec::new();
     for (frame, FrameSetup { geometry, .. }) in setups.iter().enumerate() {
-        let whole = Sections::new(geometry, None);
+        let whole = Sections::of_frame(geometry, None);
         let inside: HashMap<(u32, u32), u32> =
             scan(geometry, &whole).map(|([_, plane, depth], piece)| ((plane, depth), piece.row)).collect();
         let sections = Sections::of(machine, geometry);
