@@ -4,14 +4,14 @@
 //! read voxel i (x fastest) of volume ⌈(W − i)/voxels⌉. A frame that reads voxels of more than one volume is *torn*.
 
 use cube3_cfb::{Piece, scan};
-use cube3_frame::{Geometry, Sections};
+use cube3_frame::{BeamPlace, Geometry, Schedule};
 use std::collections::BTreeMap;
 
 /// A frame with what each of its beams, in the order of fetches, has seen written.
 #[derive(Clone, Copy, Debug)]
 pub struct Sight<'a> {
     geometry: &'a Geometry,
-    sections: Sections,
+    schedule: Schedule,
     dims: [usize; 3],
     seen: &'a [u64],
 }
@@ -82,18 +82,18 @@ impl Row {
 }
 
 impl<'a> Sight<'a> {
-    /// The next frame, taken in sections, of a volume of `dims` voxels along x, y, z: its beams are taken from the front of `seen`, which is
+    /// The next frame, which has this schedule, of a volume of `dims` voxels along x, y, z: its beams are taken from the front of `seen`, which is
     /// for the beams of all frames in the order of fetches.
     pub fn next<'s: 'a>(
         geometry: &'a Geometry,
-        sections: Sections,
+        schedule: Schedule,
         dims: [usize; 3],
         seen: &mut &'s [u64],
     ) -> Sight<'a> {
         let all: &'s [u64] = seen;
-        let (own, rest) = all.split_at(scan(geometry, &sections).count().min(all.len()));
+        let (own, rest) = all.split_at(scan(geometry, &schedule).count().min(all.len()));
         *seen = rest;
-        Sight { geometry, sections, dims, seen: own }
+        Sight { geometry, schedule, dims, seen: own }
     }
 
     fn rows(&self) -> impl Iterator<Item = Row> + '_ {
@@ -104,8 +104,8 @@ impl<'a> Sight<'a> {
             let [x, y, z] = axes.voxel(*size, [u, v, w]);
             x + nx * (y + ny * z)
         };
-        let beams = scan(self.geometry, &self.sections).zip(self.seen).enumerate();
-        beams.flat_map(move |(beam, (([_, plane, depth], Piece { row, columns }), &seen))| {
+        let beams = scan(self.geometry, &self.schedule).zip(self.seen).enumerate();
+        beams.flat_map(move |(beam, ((BeamPlace { plane, depth, .. }, Piece { row, columns }), &seen))| {
             columns.into_iter().filter(|columns| !columns.is_empty()).map(move |columns| {
                 let (start, count) = (columns.start, columns.len());
                 let [a, b] = [start, start + count - 1].map(|u| place(u, row as usize, depth as usize));

@@ -19,7 +19,7 @@ use cube3_channel::{
 use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelGroup, Pixels, Reduce, Reducer};
 use cube3_dsb::bus::{Align, BusCounters, BusUnit, NoBus};
 use cube3_dsb::{DsbSpec, DsbUnit, LinkReading, NoPlanes, PlaneStore, RayPair, Rotator, Store};
-use cube3_frame::{BasePlane, FrameSetup, Sections};
+use cube3_frame::{BasePlane, FrameSetup, Schedule, Sections};
 use cube3_machine::{AcquisitionMode, ChannelSize, MachineSpec};
 use cube3_trilin::{Interpolate, Interpolator, NoSamples, RaySamples, SampleRay, TrilinSpec, TrilinUnit};
 
@@ -369,7 +369,9 @@ impl<F: Fidelity> Machine<F> {
             abc.push((AbcSpec::new(machine, setup), parts.abc));
             host.push((setup, parts.host));
         }
-        let specs = frames.iter().map(|setup| CfbSpec::new(machine, &setup.geometry)).collect();
+        let schedules: Vec<Schedule> = frames.iter().map(|setup| Schedule::new(machine, &setup.geometry)).collect();
+        let planned = || frames.iter().zip(&schedules);
+        let specs = planned().map(|(setup, schedule)| CfbSpec::new(machine, &setup.geometry, *schedule)).collect();
         let modules = Supply::new(machine, &frames)?;
         Ok(Machine {
             cfb: CfbUnit::new(specs, memory).with_modules(modules),

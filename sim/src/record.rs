@@ -14,7 +14,7 @@ use cube3_cfb::{FrameBuffer, FrameBufferError, Piece, scan};
 use cube3_cone::golden::{Node, Segment, combine};
 use cube3_cone::{place_of_circle, segments};
 use cube3_definition::Definition;
-use cube3_frame::{DiscreteRay, FrameSetup, GradientScale, HalfSpace, Phong, Sections, Shading};
+use cube3_frame::{BeamPlace, DiscreteRay, FrameSetup, GradientScale, HalfSpace, Phong, RayPlace, Schedule, Shading};
 use cube3_machine::{ConeOrder, MachineSpec, RaySlots};
 use cube3_trilin::golden::lift;
 use cube3_vectors::{ExpressionError, Format, Set, Tables, Unit, Vectors};
@@ -366,7 +366,7 @@ impl<'a> Frame<'a> {
             "bus" if !(parallel && geometry.slots == RaySlots::Wrapped && geometry.size[0] == self.run.machine.lanes) => {
                 Some("its beams are not turned as a whole; take a parallel view of a volume with as many voxels a side as the machine has lanes".into())
             }
-            "bus" if !self.sections().is_whole() => {
+            "bus" if !self.schedule().sections().is_whole() => {
                 Some("its beams are turned section by section; leave rays.section out of the machine file".into())
             }
             _ => None,
@@ -378,8 +378,10 @@ impl<'a> Frame<'a> {
         Ok(match unit {
             "cfb" => self.addresses(lines),
             "bus" => return self.turns(lines),
-            "dsb" => self.places(self.read(0), |slot, depth, _| lines.add(|| vec![slot as i128, depth as i128])),
-            "lerp" | "trilin" => self.places(self.read(1), |_, k, ray| {
+            "dsb" => self.places(self.schedule().rays().map(slot_of), |slot, depth, _| {
+                lines.add(|| vec![slot as i128, depth as i128])
+            }),
+            "lerp" | "trilin" => self.places(self.schedule().finished_rays().map(slot_of), |_, k, ray| {
                 if self.setup.geometry.has_sample(ray, k as i64) {
                     lines.add(|| self.interpolation(unit, ray, k))
                 } else {
@@ -398,23 +400,14 @@ impl<'a> Frame<'a> {
         })
     }
 
-    /// The slots, plane and number, in the order in which a unit has them that gives a slot when so many more have come.
-    fn read(&self, behind: usize) -> impl Iterator<Item = [usize; 2]> + use<> {
-        let [_, planes] = self.setup.geometry.slot_counts();
-        let sections = self.sections().behind(behind);
-        (0..sections.count()).flat_map(move |section| {
-            (0..planes).flat_map(move |plane| sections.slots(section).map(move |slot| [plane, slot]))
-        })
-    }
-
-    /// The same for the ABC units, whose rays wait for their neighbours, and what follows them: they have the first last where the last slot
-    /// is followed by the first.
+    /// The slots, plane and number, of the ABC units and what follows them, whose rays wait for their neighbours, in order: the first comes last where the last slot is
+    /// followed by the first.
     fn shaded_slots(&self) -> impl Iterator<Item = [usize; 2]> + use<> {
         AbcSpec::new(self.run.machine, self.setup).order().map(|slot| slot.map(|i| i as usize))
     }
 
-    fn sections(&self) -> Sections {
-        Sections::of(self.run.machine, &self.setup.geometry)
+    fn schedule(&self) -> Schedule {
+        Schedule::new(self.run.machine, &self.setup.geometry)
     }
 
     /// Every depth of these slots in order, each with its ray.
@@ -435,7 +428,7 @@ impl<'a> Frame<'a> {
     /// The voxels that are read, beam by beam.
     fn addresses(&self, lines: &mut Lines<'_>) -> ControlFlow<()> {
         let geometry = &self.setup.geometry;
-        for ([_, plane, depth], Piece { row, columns }) in scan(geometry, &self.sections()) {
+        for (BeamPlace { plane, depth, .. }, Piece { row, columns }) in scan(geometry, &self.schedule()) {
             let below = if geometry.doubled() { geometry.row_below(plane as usize, depth as usize) } else { None };
             for v in [Some(row as usize), below].into_iter().flatten() {
                 for u in columns.iter().cloned().flatten() {
@@ -453,7 +446,7 @@ impl<'a> Frame<'a> {
         let skew = Skew { coefficients: machine.cfb.skew, lanes: machine.lanes };
         let buffer = FrameBuffer::with_layout(skew, machine.cfb.layout, self.run.dims, self.run.voxels)?;
         let mut beam = Vec::new();
-        Ok(scan(geometry, &self.sections()).try_for_each(|([_, _, depth], Piece { row, .. })| {
+        Ok(scan(geometry, &self.schedule()).try_for_each(|(BeamPlace { depth, .. }, Piece { row, .. })| {
             lines.add(|| {
                 buffer.fetch(&geometry.axes, row as usize, depth as usize, &mut beam);
                 let column = geometry.u.columns[depth as usize] as usize;
@@ -598,6 +591,11 @@ impl<'a> Frame<'a> {
         line.extend(leaves.iter().map(number));
         line
     }
+}
+
+/// The slot of a place, plane and number.
+fn slot_of(RayPlace { plane, slot, .. }: RayPlace) -> [usize; 2] {
+    [plane as usize, slot as usize]
 }
 
 fn node_fields(line: &mut Vec<i128>, node: &Node) {

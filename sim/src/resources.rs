@@ -4,7 +4,7 @@ use crate::machine::RunCounters;
 use crate::overlap::{Overlap, neighbour_slots, sample_slots, voxel_slots};
 use cube3_cfb::memory::{edge_words, reorder_words};
 use cube3_cone::ConeSpec;
-use cube3_frame::{ConeRegisters, FrameSetup, GradientScale, HalfSpace, LinearFactor, Sections, Shading};
+use cube3_frame::{ConeRegisters, FrameSetup, GradientScale, HalfSpace, LinearFactor, Schedule, Sections, Shading};
 use cube3_machine::operators::{self, UNIT_MUL};
 use cube3_machine::{
     ControllerKind, GradientMethod, Layout, MachineSpec, MemoryModel, OperatorCounts, RayEnds, RaySlots, Reuse,
@@ -172,7 +172,7 @@ pub fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSetup]) ->
     });
     kind("sample planes", format!("{shaded} samples of {sample_bits} bits"), shaded * sample_bits);
     if machine.cfb.layout == Layout::MiniBlocks {
-        let edges = most(&|setup| edge_words(machine, &setup.geometry));
+        let edges = most(&|setup| edge_words(&setup.geometry, &Schedule::new(machine, &setup.geometry)));
         kind(
             "overlap buffers of voxels",
             format!("beside the chip, {edges} voxels of {voxel_bits} bits"),

@@ -23,7 +23,7 @@ use crate::progress::{Progress, Waiting};
 use crate::reference::{self, Reference, check_reference, reference_error, reference_picture};
 use crate::run::{Asked, Found, MachineRun, Pictures, RunOptions, RunResult, Runs, function, measure, show};
 use cube3_cfb::{AcquisitionPort, PortSpec};
-use cube3_frame::{BasePlane, FrameSetup, Sections};
+use cube3_frame::{BasePlane, FrameSetup, Schedule};
 use cube3_host::{PictureFrames, picture_setup};
 use cube3_machine::{AcquisitionMode, MachineSpec};
 use cube3_metrics::{ImageError, Picture, compare, footprint};
@@ -283,8 +283,7 @@ pub fn run_sequence(
             _ => 0,
         };
         let sights: Option<Vec<Sight<'_>>> = seen.as_mut().map(|seen| {
-            let sections = |geometry| Sections::of(machine, geometry);
-            let sight = |geometry| Sight::next(geometry, sections(geometry), first.words.dims, seen);
+            let sight = |geometry| Sight::next(geometry, Schedule::new(machine, geometry), first.words.dims, seen);
             frame.setups.iter().map(|setup| &setup.geometry).map(sight).collect()
         });
         let mixtures: Vec<Mixture> = match &sights {

@@ -6,7 +6,7 @@ use cube3::function::{CanonicalVolume, render};
 use cube3::machine::Machine;
 use cube3_cfb::{AcquisitionPort, Piece, PortSpec};
 use cube3_channel::Reason;
-use cube3_frame::{FrameSetup, Sections};
+use cube3_frame::{BeamPlace, FrameSetup, Schedule};
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::{Acquisition, AcquisitionMode, Frames, MachineSpec, RaySlots, Rays};
 use cube3_scene::{Scene, View};
@@ -30,8 +30,8 @@ fn sights<'a>(
     dims: [usize; 3],
     mut seen: &'a [u64],
 ) -> Vec<Sight<'a>> {
-    let sections = |geometry| Sections::of(machine, geometry);
-    setups.iter().map(|setup| Sight::next(&setup.geometry, sections(&setup.geometry), dims, &mut seen)).collect()
+    let schedule = |geometry| Schedule::new(machine, geometry);
+    setups.iter().map(|setup| Sight::next(&setup.geometry, schedule(&setup.geometry), dims, &mut seen)).collect()
 }
 
 /// Volumes of one grid whose words differ from each other's.
@@ -117,13 +117,13 @@ proptest! {
         let (mut parts, mut counts, mut mixed_beams) = (Vec::new(), std::collections::BTreeMap::new(), 0);
         for (setup, start) in setups.iter().zip(start) {
             let geometry = &setup.geometry;
-            let sections = Sections::of(&machine, geometry);
-            let beams: Vec<([u32; 3], Piece)> = cube3_cfb::scan(geometry, &sections).collect();
+            let schedule = Schedule::new(&machine, geometry);
+            let beams: Vec<(BeamPlace, Piece)> = cube3_cfb::scan(geometry, &schedule).collect();
             let mut seen = Vec::new();
             for &step in steps.iter().take(beams.len()) {
                 seen.push(seen.last().map_or(start, |last| last + if still { 0 } else { step }));
             }
-            for (([_, _, depth], Piece { row, columns }), &seen) in beams.iter().zip(&seen) {
+            for ((BeamPlace { depth, .. }, Piece { row, columns }), &seen) in beams.iter().zip(&seen) {
                 let volumes: Vec<u64> = columns.iter().cloned().flatten().map(|u| {
                     let [x, y, z] = geometry.axes.voxel(geometry.size, [u, *row as usize, *depth as usize]);
                     (seen + (voxels - 1) as u64 - (x + dims[0] * (y + dims[1] * z)) as u64) / voxels as u64
@@ -131,7 +131,7 @@ proptest! {
                 mixed_beams += u64::from(volumes.iter().any(|volume| *volume != volumes[0]));
                 volumes.into_iter().for_each(|volume| *counts.entry(volume).or_insert(0_u64) += 1);
             }
-            parts.push(Sight::next(geometry, sections, dims, &mut seen.as_slice()).mixture());
+            parts.push(Sight::next(geometry, schedule, dims, &mut seen.as_slice()).mixture());
         }
         let picture = parts[0].and(parts[1]);
         let (oldest, of_oldest) = counts.first_key_value().unwrap();
@@ -307,7 +307,7 @@ fn tearing_has_its_closed_form_when_a_volume_is_written_within_a_frame() {
         }
         let mixture = Sight::next(
             &setup.geometry,
-            Sections::of(&machine, &setup.geometry),
+            Schedule::new(&machine, &setup.geometry),
             [n as usize; 3],
             &mut port(&run).seen(),
         )

@@ -8,7 +8,7 @@ use cube3_cone::Pixels;
 use cube3_cone::golden::{Node, leaf, pixel};
 use cube3_cone::segments;
 use cube3_definition::Definition;
-use cube3_frame::{FrameSetup, LinearFactor, Phong, PhongLight, Sections, Shading};
+use cube3_frame::{BeamPlace, FrameSetup, LinearFactor, Phong, PhongLight, Schedule, Shading};
 use cube3_host::picture_setup;
 use cube3_machine::{ConeOrder, GradientMethod, MachineSpec, RayEnds};
 use cube3_scene::{Perspective, Scene};
@@ -439,7 +439,8 @@ proptest! {
                     let [x, y, z] = geometry.axes.voxel(geometry.size, uvw);
                     volume.words.get(x + volume.dims[0] * (y + volume.dims[1] * z)).copied()
                 };
-                for (([_, plane, k], _), line) in cube3_cfb::scan(geometry, &Sections::new(geometry, None)).zip(&turned.outputs) {
+                let whole = Schedule::of(geometry, machine.lanes, None);
+                for ((BeamPlace { plane, depth: k, .. }, _), line) in cube3_cfb::scan(geometry, &whole).zip(&turned.outputs) {
                     for slot in 0..machine.lanes {
                         let lane = (slot + k as usize) % machine.lanes;
                         prop_assert_eq!(Some(line[1 + lane] as u16), word(plane as usize, slot, k as usize));

@@ -6,6 +6,7 @@
 use cube3_cfb::memory::{ReorderNeed, Supply};
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, NoVoxels};
 use cube3_channel::Channel;
+use cube3_frame::Schedule;
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::{Cfb, Layout, LookAheadUnit, MachineSpec, MemoryType};
 use cube3_scene::{Scene, View};
@@ -37,7 +38,10 @@ fn rate(
         machine.cfb.reorder_words = Some(least + (part * (steady - least) as f64) as u64);
     }
     let setups = vec![setup; 2];
-    let specs: Vec<CfbSpec> = setups.iter().map(|setup| CfbSpec::new(&machine, &setup.geometry)).collect();
+    let specs: Vec<CfbSpec> = setups
+        .iter()
+        .map(|setup| CfbSpec::new(&machine, &setup.geometry, Schedule::new(&machine, &setup.geometry)))
+        .collect();
     let mut cfb = CfbUnit::new(specs, NoVoxels).with_modules(Supply::new(&machine, &setups)?);
     let mut beams = Channel::<Beam<()>>::new("beams", 4, 2)?;
     let (mut cycles, mut first) = (0, 0);

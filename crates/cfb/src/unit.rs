@@ -1,7 +1,7 @@
 //! The frame buffer on its channel: it scans the planes of a frame and sends a beam for each slot.
 //!
 //! ```text
-//!   (section, plane i, depth k) counters ──► modules ──► [beams]
+//!   (section, plane i, depth k) in order ──► modules ──► [beams]
 //! ```
 //! Where a machine takes the ray slots of a plane in sections, a beam is what the slots of the section have of a row.
 
@@ -9,7 +9,7 @@ use crate::golden::{Skew, Steps, row};
 use crate::memory::{MemoryCounters, ReorderCounters, Supply, SupplyState};
 use crate::{AcquisitionPort, FrameBuffer, PortSpec};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, Reason};
-use cube3_frame::{FrameSetup, Geometry, Sections};
+use cube3_frame::{BeamPlace, FrameSetup, Geometry, Schedule};
 use cube3_machine::{Layout, MachineSpec};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -97,17 +97,13 @@ impl Fetch for FrameBuffer {
 /// Data sheet of the frame buffer for one frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CfbSpec {
-    /// Rows of voxels that a beam fetches: 1, or 2 where slots need their own cells.
-    pub rows: u64,
+    /// The order of the beams, and what they have.
+    pub schedule: Schedule,
     /// Cycles of a beam without conflicts: ⌈n_u / lanes⌉ for each row.
     pub beam_cycles: u64,
     /// Further cycles of a beam, in which modules serve voxels that share one; none with mini-blocks, whose reorder buffer gives any `lanes`
     /// voxels in a cycle.
     pub conflict_cycles: u64,
-    /// Sections in which the ray slots of a plane are taken.
-    pub sections: Sections,
-    /// Modules.
-    pub lanes: usize,
     /// Neighbouring voxels of a beam that a cycle gives: they are in different modules, or come from a reorder buffer.
     together: usize,
     reorders: bool,
@@ -135,6 +131,24 @@ struct Fetching {
 }
 
 impl Piece {
+    /// What the beam of a place brings, if it has any voxels.
+    #[inline(always)]
+    pub(crate) fn at(place: BeamPlace, geometry: &Geometry, schedule: &Schedule) -> Option<Piece> {
+        let row = row(geometry, place.plane, place.depth)?;
+        if schedule.sections().is_whole() {
+            return Some(Piece { row, columns: [0..geometry.size[0], 0..0] });
+        }
+        Piece::of_section(row, place, geometry, schedule)
+    }
+
+    /// What a section has of a row.
+    #[inline(never)]
+    fn of_section(row: u32, place: BeamPlace, geometry: &Geometry, schedule: &Schedule) -> Option<Piece> {
+        let slots = schedule.sections().slots(place.section as usize);
+        let columns = geometry.columns(slots, place.depth as usize);
+        (!columns[0].is_empty()).then_some(Piece { row, columns })
+    }
+
     /// How many voxels it has.
     #[inline(always)]
     fn voxels(&self) -> u32 {
@@ -144,21 +158,19 @@ impl Piece {
 }
 
 impl CfbSpec {
-    /// The data sheet for a machine and the geometry of a frame.
-    pub fn new(machine: &MachineSpec, geometry: &Geometry) -> CfbSpec {
+    /// The data sheet for a machine and a frame, which has this schedule there.
+    pub fn new(machine: &MachineSpec, geometry: &Geometry, schedule: Schedule) -> CfbSpec {
         let skew = Skew { coefficients: machine.cfb.skew, lanes: machine.lanes };
-        let beam_cycles = geometry.size[0].div_ceil(machine.lanes) as u64;
+        let beam_cycles = schedule.row_cycles();
         let all = match machine.cfb.layout {
             Layout::Rows | Layout::Blocks => skew.beam_cycles(geometry.axes.axis[0], geometry.size[0]) as u64,
             Layout::MiniBlocks => beam_cycles,
         };
-        let rows = if geometry.doubled() { 2 } else { 1 };
+        let rows = schedule.rows_of_beam();
         CfbSpec {
-            rows,
+            schedule,
             beam_cycles: rows * beam_cycles,
             conflict_cycles: rows * (all - beam_cycles),
-            sections: Sections::of(machine, geometry),
-            lanes: machine.lanes,
             together: match machine.cfb.layout {
                 Layout::Rows | Layout::Blocks => skew.together(geometry.axes.axis[0]),
                 Layout::MiniBlocks => machine.lanes,
@@ -177,7 +189,7 @@ impl CfbSpec {
     #[inline]
     pub fn piece_cycles(&self, piece: Option<&Piece>) -> u64 {
         match piece {
-            Some(Piece { columns, .. }) if !self.sections.is_whole() => self.steps(columns).count() as u64,
+            Some(Piece { columns, .. }) if !self.schedule.sections().is_whole() => self.steps(columns).count() as u64,
             _ => self.cycles(piece.map(|piece| piece.row)),
         }
     }
@@ -185,30 +197,30 @@ impl CfbSpec {
     /// What the scan fetches.
     #[inline(always)]
     fn fetching(&self, geometry: &Geometry, scan: &Scan) -> Fetching {
-        if !self.sections.is_whole() {
+        if !self.schedule.sections().is_whole() {
             return self.fetching_piece(geometry, scan);
         }
-        let row = row(geometry, scan.plane, scan.depth);
+        let row = row(geometry, scan.place.plane, scan.place.depth);
         let voxels = if row.is_some() { geometry.size[0] as u32 } else { 0 };
         Fetching { row, voxels, cycles: self.cycles(row), work: self.beam_cycles }
     }
 
     #[inline(never)]
     fn fetching_piece(&self, geometry: &Geometry, scan: &Scan) -> Fetching {
-        let piece = scan.piece(geometry, &self.sections);
+        let piece = Piece::at(scan.place, geometry, &self.schedule);
         let voxels = piece.as_ref().map_or(0, Piece::voxels);
         Fetching {
             row: piece.as_ref().map(|piece| piece.row),
             voxels,
             cycles: self.piece_cycles(piece.as_ref()),
-            work: if piece.is_some() { u64::from(voxels).div_ceil(self.lanes as u64) } else { self.beam_cycles },
+            work: if piece.is_some() { self.schedule.piece_cycles(voxels) } else { self.beam_cycles },
         }
     }
 
     /// The voxels of a step of a piece.
     #[inline]
     pub(crate) fn voxels_of_step(&self, piece: &Piece, step: usize) -> [Range<usize>; 2] {
-        if self.sections.is_whole() {
+        if self.schedule.sections().is_whole() {
             let first = step * self.together;
             return [first..piece.columns[0].end.min(first + self.together), 0..0];
         }
@@ -217,7 +229,11 @@ impl CfbSpec {
 
     /// The steps in which the voxels of a piece are read.
     fn steps(&self, columns: &[Range<usize>; 2]) -> Steps {
-        if self.reorders { Steps::from_buffer(self.lanes, columns) } else { Steps::new(self.together, columns) }
+        if self.reorders {
+            Steps::from_buffer(self.schedule.shape().lanes, columns)
+        } else {
+            Steps::new(self.together, columns)
+        }
     }
 }
 
@@ -247,9 +263,7 @@ struct State {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Scan {
     pub frame: u32,
-    pub section: u32,
-    pub plane: u32,
-    pub depth: u32,
+    pub place: BeamPlace,
     /// Cycles of the beam that are over.
     pub spent: u64,
 }
@@ -257,43 +271,14 @@ pub(crate) struct Scan {
 impl Scan {
     /// Whether no voxel of the next frame has been read.
     pub fn between_frames(&self) -> bool {
-        self.section == 0 && self.plane == 0 && self.depth == 0 && self.spent == 0
-    }
-
-    /// The voxels of the beam, if there are any.
-    #[inline(always)]
-    pub fn piece(&self, geometry: &Geometry, sections: &Sections) -> Option<Piece> {
-        let row = row(geometry, self.plane, self.depth)?;
-        if sections.is_whole() {
-            return Some(Piece { row, columns: [0..geometry.size[0], 0..0] });
-        }
-        self.part(row, geometry, sections)
-    }
-
-    /// What a section has of a row.
-    #[inline(never)]
-    fn part(&self, row: u32, geometry: &Geometry, sections: &Sections) -> Option<Piece> {
-        let columns = geometry.columns(sections.slots(self.section as usize), self.depth as usize);
-        (!columns[0].is_empty()).then_some(Piece { row, columns })
+        self.place == BeamPlace::default() && self.spent == 0
     }
 
     /// Goes on to the next beam.
     #[inline]
-    pub fn advance(&mut self, geometry: &Geometry, sections: &Sections) {
+    pub fn advance(&mut self, schedule: &Schedule) {
         self.spent = 0;
-        self.depth += 1;
-        if self.depth as usize == geometry.size[2] {
-            self.depth = 0;
-            self.plane += 1;
-            if self.plane as usize == geometry.slot_counts()[1] {
-                self.plane = 0;
-                self.section += 1;
-                if self.section as usize == sections.count() {
-                    self.section = 0;
-                    self.frame += 1;
-                }
-            }
-        }
+        self.frame += u32::from(schedule.next_beam(&mut self.place));
     }
 }
 
@@ -409,7 +394,7 @@ impl<F: Fetch> CfbUnit<F> {
             return Activity::Starved;
         }
         let CfbUnit { specs, memory, modules, port, state, .. } = self;
-        let Scan { frame, section, plane, depth, spent } = state.scan;
+        let Scan { frame, place: BeamPlace { section, plane, depth }, spent } = state.scan;
         let (setup, spec) = (&frames[frame as usize], &specs[frame as usize]);
         let Fetching { row, voxels, cycles, work } = spec.fetching(&setup.geometry, &state.scan);
         let last = spent + 1 >= cycles;
@@ -435,12 +420,12 @@ impl<F: Fetch> CfbUnit<F> {
             if let Some(v) = row {
                 memory.fetch(setup, plane as usize, v as usize, depth as usize, &mut beam.data);
                 let below = setup.geometry.row_below(plane as usize, depth as usize);
-                state.fetched += 1 + u64::from(spec.rows == 2 && below.is_some());
+                state.fetched += 1 + u64::from(setup.geometry.doubled() && below.is_some());
                 if let Some(port) = port {
                     port.fetched();
                 }
             }
-            state.scan.advance(&setup.geometry, &spec.sections);
+            state.scan.advance(&spec.schedule);
         }
         if spent < work { Activity::Busy } else { Activity::Waiting(Reason::BankConflict) }
     }
@@ -480,14 +465,7 @@ impl<F> Archived for CfbUnit<F> {
     }
 }
 
-/// The beams of voxels of a frame in the order in which they are fetched: section and plane of ray slots, depth, and what is fetched.
-pub fn scan<'a>(geometry: &'a Geometry, sections: &'a Sections) -> impl Iterator<Item = ([u32; 3], Piece)> + 'a {
-    let [planes, depths] = [geometry.slot_counts()[1] as u32, geometry.size[2] as u32];
-    let places = (0..sections.count() as u32).flat_map(move |section| {
-        (0..planes).flat_map(move |plane| (0..depths).map(move |depth| [section, plane, depth]))
-    });
-    places.filter_map(move |[section, plane, depth]| {
-        let scan = Scan { section, plane, depth, ..Scan::default() };
-        Some(([section, plane, depth], scan.piece(geometry, sections)?))
-    })
+/// The beams of a frame that have voxels, in the order in which they are fetched, each with what is fetched.
+pub fn scan(geometry: &Geometry, schedule: &Schedule) -> impl Iterator<Item = (BeamPlace, Piece)> {
+    schedule.beams().filter_map(move |place| Some((place, Piece::at(place, geometry, schedule)?)))
 }

@@ -3,7 +3,7 @@
 use cube3_cfb::memory::{MemoryCounters, Supply};
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, NoVoxels};
 use cube3_channel::{Account, Channel, Reason};
-use cube3_frame::FrameSetup;
+use cube3_frame::{FrameSetup, Schedule};
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::{BankHash, Cfb, ControllerKind, Layout, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryType};
 use cube3_scene::{Scene, View};
@@ -28,7 +28,7 @@ fn machine(lanes: usize, clock_hz: f64, memory: MemoryType, layout: Layout) -> M
 
 /// Runs frames against a bus that takes every beam; cycles, account, and what the modules did in all frames.
 fn run(machine: &MachineSpec, setup: FrameSetup, frames: usize) -> (u64, Account, MemoryCounters) {
-    let specs = vec![CfbSpec::new(machine, &setup.geometry); frames];
+    let specs = vec![CfbSpec::new(machine, &setup.geometry, Schedule::new(machine, &setup.geometry)); frames];
     let modules = Supply::new(machine, std::slice::from_ref(&setup)).unwrap();
     let mut cfb = CfbUnit::new(specs, NoVoxels).with_modules(modules);
     let setups = vec![setup; frames];

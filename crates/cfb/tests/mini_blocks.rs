@@ -6,7 +6,7 @@ use cube3_cfb::memory::{
 };
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, NoVoxels, scan};
 use cube3_channel::{Account, Activity, Channel, ClockDomain, Reason};
-use cube3_frame::{FrameSetup, Geometry, Sections};
+use cube3_frame::{FrameSetup, Geometry, Schedule};
 use cube3_host::{VolumeInfo, frame_setup, picture_setup};
 use cube3_machine::{Cfb, Layout, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryModel, MemoryType, RaySlots, Rays};
 use cube3_scene::{Perspective, Scene, View};
@@ -24,7 +24,10 @@ struct Seen {
 
 fn run(machine: &MachineSpec, setups: &[FrameSetup]) -> Seen {
     let modules = Supply::new(machine, setups).unwrap();
-    let specs = setups.iter().map(|setup| CfbSpec::new(machine, &setup.geometry)).collect();
+    let specs = setups
+        .iter()
+        .map(|setup| CfbSpec::new(machine, &setup.geometry, Schedule::new(machine, &setup.geometry)))
+        .collect();
     let mut cfb = CfbUnit::new(specs, NoVoxels).with_modules(modules);
     let mut beams = Channel::<Beam<()>>::new("beams", 4, 2).unwrap();
     let (mut sent, mut cycle) = (Vec::new(), 0);
@@ -56,10 +59,10 @@ struct NaiveBeam {
 fn naive_beams(machine: &MachineSpec, setups: &[FrameSetup]) -> Vec<NaiveBeam> {
     let mut beams = Vec::new();
     for (frame, FrameSetup { geometry, .. }) in setups.iter().enumerate() {
-        let whole = Sections::new(geometry, None);
+        let whole = Schedule::of(geometry, machine.lanes, None);
         let inside: HashMap<(u32, u32), u32> =
-            scan(geometry, &whole).map(|([_, plane, depth], piece)| ((plane, depth), piece.row)).collect();
-        let sections = Sections::of(machine, geometry);
+            scan(geometry, &whole).map(|(at, piece)| ((at.plane, at.depth), piece.row)).collect();
+        let sections = *Schedule::new(machine, geometry).sections();
         for section in 0..sections.count() {
             for plane in 0..geometry.slot_counts()[1] as u32 {
                 for depth in 0..geometry.size[2] as u32 {
@@ -422,7 +425,7 @@ proptest! {
             let both = minis.iter().filter(|mini| before.is_some_and(|before| before.contains(mini)));
             *kept.entry(section).or_insert(0) += 8 * both.count() as u64;
         }
-        prop_assert_eq!(edge_words(&machine, &setups[0].geometry), kept.into_values().max().unwrap_or(0));
+        prop_assert_eq!(edge_words(&setups[0].geometry, &Schedule::new(&machine, &setups[0].geometry)), kept.into_values().max().unwrap_or(0));
         machine.rays.section = None;
         let stays = naive_stays(&setups[..1], &naive_beams(&machine, &setups[..1]));
         let mut reads: HashMap<[usize; 3], usize> = HashMap::new();

@@ -6,7 +6,7 @@
 
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, NoVoxels};
 use cube3_channel::{Account, Channel, Reason};
-use cube3_frame::FrameSetup;
+use cube3_frame::{FrameSetup, Schedule};
 use cube3_host::{VolumeInfo, frame_setup, picture_setup};
 use cube3_machine::{Cfb, MachineSpec, RaySlots, Rays};
 use cube3_scene::{Perspective, Scene, View};
@@ -34,7 +34,8 @@ struct Run {
 }
 
 fn run(machine: &MachineSpec, setup: &FrameSetup, capacity: usize, drained: impl Fn(u64) -> bool) -> Run {
-    let mut unit = CfbUnit::new(vec![CfbSpec::new(machine, &setup.geometry)], NoVoxels);
+    let mut unit =
+        CfbUnit::new(vec![CfbSpec::new(machine, &setup.geometry, Schedule::new(machine, &setup.geometry))], NoVoxels);
     let mut beams = Channel::<Beam<()>>::new("beams", capacity, 1).unwrap();
     let (mut sent, mut cycle) = (Vec::new(), 0);
     let mut order = Vec::new();

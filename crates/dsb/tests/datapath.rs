@@ -6,7 +6,7 @@ use cube3_cfb::{Beam, CfbSpec, CfbUnit, FrameBuffer, VoxelBeam};
 use cube3_channel::Channel;
 use cube3_dsb::bus::BusUnit;
 use cube3_dsb::{DsbSpec, DsbUnit, PlaneStore, RayPair, RayVoxels, Rotator};
-use cube3_frame::FrameSetup;
+use cube3_frame::{FrameSetup, Schedule};
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::{Cfb, Dsb, MachineSpec, RaySlots, Rays, TemplateRule};
 use cube3_scene::{Scene, View};
@@ -50,7 +50,7 @@ proptest! {
         let voxels: Vec<u16> = (1..=dims.iter().product::<usize>() as u16).collect();
         let memory = FrameBuffer::new(Skew { coefficients: skew, lanes }, dims, &voxels).unwrap();
 
-        let mut cfb = CfbUnit::new(vec![CfbSpec::new(&machine, geometry)], memory);
+        let mut cfb = CfbUnit::new(vec![CfbSpec::new(&machine, geometry, Schedule::new(&machine, geometry))], memory);
         let mut bus = BusUnit::new(&machine, [geometry], Rotator { lanes });
         let mut dsb = DsbUnit::new([(DsbSpec::new(&machine, geometry), PlaneStore::new(geometry, lanes, planes))]);
         let mut beams = Channel::<Beam<VoxelBeam>>::new("beams", 3, 2).unwrap();

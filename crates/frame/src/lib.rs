@@ -1,4 +1,5 @@
-//! A frame of the machine: what a driver writes into its registers and tables, and the geometry that follows from them.
+//! A frame of the machine: what a driver writes into its registers and tables, and the geometry and the schedule that
+//! follow from them.
 //!
 //! Everything that enters the machine is a [`FrameSetup`]. The host makes it from a scene and a machine; units, golden vectors and RTL test
 //! benches read it. The machine answers with a [`BasePlane`]. Pfister et al. 1995, sections 2, 3.
@@ -14,7 +15,7 @@ mod golden;
 mod perspective;
 mod registers;
 mod sample_bounds;
-mod sections;
+mod schedule;
 mod template;
 
 pub use axes::Axes;
@@ -31,5 +32,5 @@ pub use registers::{
     LinearFactor, Normaliser, Phong, PhongLight, RayRegisters, ReflectanceTable, Shading,
 };
 pub use sample_bounds::{BESIDE, RayStretches, SampleBounds};
-pub use sections::Sections;
+pub use schedule::{Bands, BeamPlace, FrameShape, Neighbours, RayPlace, Schedule, Sections};
 pub use template::{LARGEST_SIDE, SLOPE_FRACTION_BITS, Template, slope_register};

@@ -223,7 +223,7 @@ pub(crate) fn largest_offset(rule: TemplateRule, steepest: i64, weight_bits: u32
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::DiscreteRay;
     use proptest::prelude::*;
@@ -239,7 +239,7 @@ mod tests {
         ]
     }
 
-    fn any_pass() -> impl Strategy<Value = Geometry> {
+    pub(crate) fn any_pass() -> impl Strategy<Value = Geometry> {
         let size = [1_usize..9, 1_usize..9, 1_usize..9];
         let grid = prop_oneof![Just(0.5), 0.1..4.0_f64];
         (size, eyes(), 0.0..1.0_f64, 0_u32..=12, any::<bool>(), grid, 1_u32..9, any::<bool>()).prop_filter_map(

@@ -1,7 +1,7 @@
 //! The items of a plan: what the registers of a picture's frames do not have.
 
 use crate::{Plan, Rule, RuleRow, Savings};
-use cube3_frame::{FrameSetup, GradientScale, HalfSpace, LinearFactor, Normaliser};
+use cube3_frame::{FrameSetup, GradientScale, HalfSpace, LinearFactor, Normaliser, Schedule};
 use cube3_machine::{MachineSpec, OperatorCounts, RaySlots, ShadingUnit, operators};
 use cube3_scene::MOST_LIGHTS;
 
@@ -80,8 +80,8 @@ impl Frame<'_> {
 
     /// An item that saves operators of each lane, bits of memory and cycles.
     fn item(&self, rule: Rule, why: &'static str, operators: OperatorCounts, bits: u64, cycles: u64) -> Option<Item> {
-        let [slots, planes] = self.setup.geometry.slot_counts().map(|count| count as u64);
-        let samples = slots * planes * self.setup.geometry.size[2] as u64;
+        let schedule = self.schedule();
+        let samples = schedule.ray_slots() * schedule.shape().depths as u64;
         let operations = operators.all() * samples;
         let savings = Savings { operators, cycles, bytes: bits.div_ceil(8), operations, passes: 0 };
         Some(Item { rule, why, savings })
@@ -96,8 +96,11 @@ impl Frame<'_> {
         let scale = if method.row().normalised { scale_operators(machine) } else { OperatorCounts::default() };
         let operators =
             operators::gradient(method, words) + operators::gradient_word(words, method.row().extra_bits()) + scale;
-        let bits = 0;
-        let cycles = 0;
+        let schedule = self.schedule();
+        let samples = schedule.samples_kept(setup.ring(machine.abc.planes), machine.frames.overlap);
+        let wait = |buffered| schedule.neighbours(setup.most_reach(), buffered).first_wait();
+        let cycles = schedule.ray_cycles() * (wait(true) - wait(false));
+        let bits = samples * u64::from(words.sample_bits());
         self.item(Rule::GradientUnit, "nothing in this scene reads a gradient", operators, bits, cycles)
     }
 
@@ -174,9 +177,16 @@ impl Frame<'_> {
         if geometry.closes()[1] || geometry.slots != RaySlots::Wrapped {
             return None;
         }
-        let words = &self.machine.words;
-        let bits = 0;
+        let Frame { machine, setup, .. } = *self;
+        let (schedule, words, overlap) = (self.schedule(), &machine.words, machine.frames.overlap);
+        let voxels = schedule.first_voxels(overlap) * u64::from(words.voxel_bits);
+        let samples = if setup.gradient.is_some() { schedule.first_samples(overlap) } else { 0 };
+        let bits = voxels + samples * u64::from(words.sample_bits());
         self.item(Rule::ClosingPlanes, "no slot is shared along v in this view", OperatorCounts::default(), bits, 0)
+    }
+
+    fn schedule(&self) -> Schedule {
+        Schedule::new(self.machine, &self.setup.geometry)
     }
 
     /// Bits of a table that each lane has.

@@ -6,7 +6,7 @@ use cube3_abc::AbcSpec;
 use cube3_cfb::CfbSpec;
 use cube3_cone::ConeSpec;
 use cube3_dsb::{DsbSpec, bus::BusSpec};
-use cube3_frame::{FrameSetup, Geometry};
+use cube3_frame::{FrameSetup, Geometry, Schedule};
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::{ChannelSize, MachineSpec};
 use cube3_scene::{Scene, View};
@@ -187,7 +187,7 @@ impl Example {
         let (machine, geometry) = (&self.machine, self.geometry());
         match file {
             "sheet-cfb.md" => {
-                let spec = CfbSpec::new(machine, geometry);
+                let spec = CfbSpec::new(machine, geometry, Schedule::new(machine, geometry));
                 vec![
                     (
                         "initiation interval: a beam",

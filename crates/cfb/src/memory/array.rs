@@ -2,7 +2,7 @@
 
 use super::{Chooser, MemoryCounters, Module, Place, Served, Timing};
 use crate::golden::{Placement, Skew};
-use crate::unit::{CfbSpec, Scan};
+use crate::unit::{CfbSpec, Piece, Scan};
 use cube3_channel::{Activity, ClockDomain};
 use cube3_frame::{FrameSetup, Geometry};
 use cube3_machine::{ControllerKind, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryModel, MemoryType};
@@ -118,23 +118,23 @@ impl Modules {
     pub(crate) fn ask(&self, state: &mut MemoryState, frames: &[FrameSetup], specs: &[CfbSpec], released: u32) {
         let last = released.min(specs.len() as u32);
         while self.room(state) && state.ahead.frame < last {
-            let Scan { frame, plane, depth, spent, .. } = state.ahead;
+            let Scan { frame, place, spent } = state.ahead;
             let geometry = &frames[frame as usize].geometry;
             let spec = &specs[frame as usize];
-            let piece = state.ahead.piece(geometry, &spec.sections);
+            let piece = Piece::at(place, geometry, &spec.schedule);
             let cycles = spec.piece_cycles(piece.as_ref());
             let row = piece.as_ref().map(|piece| piece.row as usize);
             // Of a beam with two rows the second comes behind the first, if there is a first.
-            let half = cycles / spec.rows;
-            let (fetched, step) = if spent < half || spec.rows == 1 {
+            let half = cycles / spec.schedule.rows_of_beam();
+            let (fetched, step) = if spent < half || !geometry.doubled() {
                 (row, spent)
             } else {
-                (row.and(geometry.row_below(plane as usize, depth as usize)), spent - half)
+                (row.and(geometry.row_below(place.plane as usize, place.depth as usize)), spent - half)
             };
             let asked = match piece.zip(fetched) {
                 Some((piece, row)) => {
                     let voxels = spec.voxels_of_step(&piece, step as usize);
-                    self.serve(state, geometry, [row, depth as usize], &voxels)
+                    self.serve(state, geometry, [row, place.depth as usize], &voxels)
                 }
                 None => Step { served: Served::AT_ONCE, missing: 0 },
             };
@@ -142,7 +142,7 @@ impl Modules {
             if spent + 1 < cycles {
                 state.ahead.spent += 1;
             } else {
-                state.ahead.advance(geometry, &spec.sections);
+                state.ahead.advance(&spec.schedule);
             }
         }
         self.choose(state);
@@ -301,8 +301,9 @@ impl MemoryState {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Piece, scan};
+    use crate::scan;
     use bitvec::prelude::*;
+    use cube3_frame::{BeamPlace, Schedule};
     use cube3_host::{VolumeInfo, frame_setup, picture_setup};
     use cube3_machine::{Cfb, Layout, MemoryModel, RaySlots, Rays};
     use cube3_scene::{Perspective, Scene, View};
@@ -367,7 +368,7 @@ mod tests {
             let geometry = frame_setup(&scene, &machine, &volume, true).unwrap().setup.geometry;
             prop_assert_eq!(geometry.dims(), dims);
             let modules = Modules::new(&machine, dims).unwrap();
-            let spec = CfbSpec::new(&machine, &geometry);
+            let spec = CfbSpec::new(&machine, &geometry, Schedule::new(&machine, &geometry));
             let mut state = modules.start(1);
             let mut each = vec![Module::new(&modules.timing); lanes];
             let mut counters = MemoryCounters::default();
@@ -403,17 +404,17 @@ mod tests {
             let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };
             let frames = vec![frame_setup(&scene, &machine, &volume, true).unwrap().setup];
             let geometry = &frames[0].geometry;
-            let specs = vec![CfbSpec::new(&machine, geometry)];
+            let specs = vec![CfbSpec::new(&machine, geometry, Schedule::new(&machine, geometry))];
             let modules = Modules::new(&machine, dims).unwrap();
             let mut state = modules.start(1);
             let mut each = vec![Module::new(&modules.timing); lanes];
             let mut counters = MemoryCounters::default();
             let [_, planes] = geometry.slot_counts();
-            let pieces: Vec<([u32; 3], Piece)> = scan(geometry, &specs[0].sections).collect();
+            let pieces: Vec<(BeamPlace, Piece)> = scan(geometry, &specs[0].schedule).collect();
             let (mut pieces, mut voxels) = (pieces.into_iter().peekable(), 0);
-            for section in 0..specs[0].sections.count() as u32 {
+            for section in 0..specs[0].schedule.sections().count() as u32 {
                 for (plane, depth) in (0..planes as u32).flat_map(|plane| (0..geometry.size[2] as u32).map(move |depth| (plane, depth))) {
-                    let piece = pieces.next_if(|(at, _)| *at == [section, plane, depth]).map(|(_, piece)| piece);
+                    let piece = pieces.next_if(|(at, _)| *at == BeamPlace { section, plane, depth }).map(|(_, piece)| piece);
                     let mut steps = Vec::new();
                     if let Some(piece) = &piece {
                         let mut taken = bitvec![1; lanes];
@@ -460,14 +461,14 @@ mod tests {
             let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };
             let frames = picture_setup(&scene, &machine, &volume, true).unwrap().setups;
             let modules = Modules::new(&machine, dims).unwrap();
-            let specs: Vec<CfbSpec> = frames.iter().map(|setup| CfbSpec::new(&machine, &setup.geometry)).collect();
+            let specs: Vec<CfbSpec> = frames.iter().map(|setup| CfbSpec::new(&machine, &setup.geometry, Schedule::new(&machine, &setup.geometry))).collect();
             let mut state = modules.start(frames.len());
             let mut each = vec![Module::new(&modules.timing); lanes];
             for (frame, setup) in frames.iter().enumerate() {
                 let geometry = &setup.geometry;
                 let fan = &geometry.perspective.as_ref().unwrap().v;
                 let inside = |y: i32| usize::try_from(y).ok().filter(|&y| y < geometry.size[1]);
-                let steps = (specs[frame].cycles(Some(0)) / specs[frame].rows) as usize;
+                let steps = (specs[frame].cycles(Some(0)) / specs[frame].schedule.rows_of_beam()) as usize;
                 let mut counters = MemoryCounters::default();
                 for plane in 0..fan.count() {
                     for depth in 0..geometry.size[2] {

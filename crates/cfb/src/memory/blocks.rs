@@ -317,8 +317,8 @@ impl BlockModules {
     fn admit(&self, state: &mut BlockState, frames: &[FrameSetup], specs: &[CfbSpec], released: u32) -> bool {
         while state.ahead.frame < released {
             let frame = state.ahead.frame as usize;
-            let (geometry, sections) = (&frames[frame].geometry, specs[frame].sections);
-            let at = At::of(&state.ahead, geometry, &sections);
+            let (geometry, schedule) = (&frames[frame].geometry, &specs[frame].schedule);
+            let at = At { geometry, schedule, place: state.ahead.place };
             // In order: the rows of mini-blocks, and of each up to two parts.
             let begun = state.ahead.spent as usize;
             for (i, j) in at.used().into_iter().enumerate().skip(begun / 2) {
@@ -341,7 +341,7 @@ impl BlockModules {
                     return true;
                 }
             }
-            state.ahead.advance(geometry, &sections);
+            state.ahead.advance(schedule);
         }
         false
     }
@@ -352,11 +352,11 @@ impl BlockModules {
             state.rows.push(Row::default());
             state.rows.len() as u32 - 1
         });
-        let k = pair(at.geometry, at.depth);
+        let k = pair(at.geometry, at.place.depth);
         let [_, v, w] = at.geometry.axes.axis;
         let missing = (Placement::MINI_WORDS / self.burst_words()) as u32;
         let row = &mut state.rows[place as usize];
-        (row.frame, row.section, row.j) = (frame, at.section, j as u32);
+        (row.frame, row.section, row.j) = (frame, at.place.section, j as u32);
         row.base = self.minis[v][j].plus(self.minis[w][k]);
         row.minis = [minis.start as u32, minis.end as u32];
         (row.passed, row.left, row.there) = (0, false, 0);
@@ -445,8 +445,8 @@ impl BlockModules {
         [frame, j, start]: [u32; 3],
         [first, last]: [u32; 2],
     ) -> Option<Served> {
-        let here = &state.by_pair[pair(at.geometry, at.depth)];
-        let key = [frame, at.section, j, start];
+        let here = &state.by_pair[pair(at.geometry, at.place.depth)];
+        let key = [frame, at.place.section, j, start];
         let Some(&place) = here.iter().find(|&&place| state.rows[place as usize].key() == key) else {
             let slowest = state.readers.iter().filter_map(|reader| reader.open.front());
             return Some(slowest.fold(Served::AT_ONCE, |all, burst| all.and(burst.served)));
@@ -494,8 +494,8 @@ impl BlockModules {
         for j in at.used().into_iter().flatten().filter(|&j| at.is_last(j)) {
             for minis in at.brought().into_iter().filter(|minis| !minis.is_empty()) {
                 let BlockState { rows, by_pair, free, words, .. } = state;
-                let here = &mut by_pair[pair(at.geometry, at.depth)];
-                let key = [frame, at.section, j as u32, minis.start as u32];
+                let here = &mut by_pair[pair(at.geometry, at.place.depth)];
+                let key = [frame, at.place.section, j as u32, minis.start as u32];
                 let Some(oldest) = here.iter().position(|&place| rows[place as usize].key() == key) else { continue };
                 let place = here.remove(oldest);
                 rows[place as usize].left = true;

@@ -10,8 +10,8 @@
 //! not brought: mini-blocks across the edge of a section are read once, and kept beside the chip for the next one.
 
 use crate::golden::Placement;
-use crate::unit::{CfbSpec, Scan};
-use cube3_frame::{Geometry, Sections};
+use crate::unit::{CfbSpec, Piece};
+use cube3_frame::{BeamPlace, Geometry, Schedule};
 use cube3_machine::{LookAheadUnit, MachineSpec, MemoryModel, RaySlots};
 use std::ops::Range;
 
@@ -42,41 +42,35 @@ pub(super) fn words_of(minis: usize) -> u64 {
     (minis * Placement::MINI_WORDS) as u64
 }
 
-/// Where a beam stands in the scan of its frame.
+/// A beam of a frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct At<'a> {
     pub geometry: &'a Geometry,
-    pub sections: &'a Sections,
-    pub section: u32,
-    pub plane: u32,
-    pub depth: u32,
+    pub schedule: &'a Schedule,
+    pub place: BeamPlace,
 }
 
-impl<'a> At<'a> {
-    /// The beam of a place in the scan.
-    pub fn of(scan: &Scan, geometry: &'a Geometry, sections: &'a Sections) -> At<'a> {
-        At { geometry, sections, section: scan.section, plane: scan.plane, depth: scan.depth }
-    }
-
+impl At<'_> {
     /// The rows of mini-blocks that the beam uses, in the order in which it does: none where it is outside of the volume, two where
     /// slots need their own cells and these lie in both.
     pub fn used(&self) -> [Option<usize>; 2] {
-        let At { geometry, sections, section, plane, depth } = *self;
-        let Some(piece) = (Scan { section, plane, depth, ..Scan::default() }).piece(geometry, sections) else {
+        let At { geometry, schedule, place } = *self;
+        let Some(piece) = Piece::at(place, geometry, schedule) else {
             return [None; 2];
         };
         let near = of_voxels(geometry, piece.row as usize);
-        let below = if geometry.doubled() { geometry.row_below(plane as usize, depth as usize) } else { None };
+        let below =
+            if geometry.doubled() { geometry.row_below(place.plane as usize, place.depth as usize) } else { None };
         [Some(near), below.map(|v| of_voxels(geometry, v)).filter(|&below| below != near)]
     }
 
     fn uses(&self, plane: u32, depth: u32, j: usize) -> bool {
-        At { plane, depth, ..*self }.used().contains(&Some(j))
+        At { place: BeamPlace { plane, depth, ..self.place }, ..*self }.used().contains(&Some(j))
     }
 
     /// Whether the beam, which uses row `j`, is the first to do so since the row was last in the buffer.
     pub fn is_first(&self, j: usize) -> bool {
-        let At { geometry, plane, depth, .. } = *self;
+        let At { geometry, place: BeamPlace { plane, depth, .. }, .. } = *self;
         let partner = partner(geometry, depth);
         let before = partner.is_some_and(|partner| partner < depth && self.uses(plane, partner, j));
         let beside = plane.checked_sub(1).is_some_and(|above| {
@@ -87,11 +81,11 @@ impl<'a> At<'a> {
 
     /// Whether it is the last one before the row leaves the buffer.
     pub fn is_last(&self, j: usize) -> bool {
-        let At { geometry, plane, depth, .. } = *self;
+        let At { geometry, schedule, place: BeamPlace { plane, depth, .. } } = *self;
         let partner = partner(geometry, depth);
         let behind = partner.is_some_and(|partner| partner > depth && self.uses(plane, partner, j));
         let below = plane + 1;
-        let beside = (below as usize) < geometry.slot_counts()[1]
+        let beside = !schedule.is_last_plane(plane as usize)
             && (self.uses(below, depth, j) || partner.is_some_and(|partner| self.uses(below, partner, j)));
         !behind && !beside
     }
@@ -99,14 +93,14 @@ impl<'a> At<'a> {
     /// The mini-blocks, by their numbers, that the section brings of a row at this depth and the one beside it: two ranges where they go on from
     /// the row's last to its first.
     pub fn brought(&self) -> [Range<usize>; 2] {
-        let all = row_minis(self.geometry);
-        if self.sections.is_whole() {
+        let (all, section) = (row_minis(self.geometry), self.place.section);
+        if self.schedule.sections().is_whole() {
             return [0..all, 0..0];
         }
-        let Some(mut brought) = self.touched(self.section) else {
+        let Some(mut brought) = self.touched(section) else {
             return [0..0, 0..0];
         };
-        if let Some(before) = self.section.checked_sub(1).and_then(|before| self.touched(before)) {
+        if let Some(before) = section.checked_sub(1).and_then(|before| self.touched(before)) {
             brought.end = brought.end.min(before.start + all);
             brought.start = brought.end.min(brought.start.max(before.end));
         }
@@ -117,18 +111,18 @@ impl<'a> At<'a> {
     /// How many mini-blocks the section uses that the section before has brought.
     fn kept(&self) -> usize {
         let brought: usize = self.brought().iter().map(Range::len).sum();
-        self.touched(self.section).map_or(0, |minis| minis.len().min(row_minis(self.geometry)) - brought)
+        self.touched(self.place.section).map_or(0, |minis| minis.len().min(row_minis(self.geometry)) - brought)
     }
 
     /// The mini-blocks that the slots of a section use at this depth and the one beside it, counted on where they go on from the row's last to its
     /// first.
     fn touched(&self, section: u32) -> Option<Range<usize>> {
-        let At { geometry, sections, depth, .. } = *self;
+        let At { geometry, schedule, place: BeamPlace { depth, .. } } = *self;
         let (n, all) = (geometry.size[0], row_minis(geometry));
         let depths = [Some(depth), partner(geometry, depth)].into_iter().flatten();
         let nearest = depths.clone().min().unwrap_or(depth);
         let rounds = geometry.u.columns[nearest as usize] as usize / n * n;
-        let slots = sections.slots(section as usize);
+        let slots = schedule.sections().slots(section as usize);
         let spans = depths.filter_map(|depth| {
             let columns = match geometry.slots {
                 RaySlots::Wrapped => {
@@ -145,15 +139,14 @@ impl<'a> At<'a> {
 }
 
 /// Words of mini-blocks that lie across the edges of sections and are kept beside the chip from one section to the next; the most at a time.
-pub fn edge_words(machine: &MachineSpec, geometry: &Geometry) -> u64 {
-    let sections = Sections::of(machine, geometry);
+pub fn edge_words(geometry: &Geometry, schedule: &Schedule) -> u64 {
     let rows = geometry.size[1].div_ceil(Placement::MINI);
-    let at = |section: usize| {
+    let at = |section: u32| {
         let kept =
             (0..geometry.size[2] as u32).filter(|&depth| partner(geometry, depth).is_none_or(|beside| beside > depth));
-        kept.map(|depth| At { geometry, sections: &sections, section: section as u32, plane: 0, depth }.kept()).sum()
+        kept.map(|depth| At { geometry, schedule, place: BeamPlace { section, plane: 0, depth } }.kept()).sum()
     };
-    words_of((1..sections.count()).map(at).max().unwrap_or(0) * rows)
+    words_of((1..schedule.sections().count() as u32).map(at).max().unwrap_or(0) * rows)
 }
 
 /// The mini-blocks along w that a depth is in.
@@ -193,12 +186,12 @@ impl ReorderNeed {
     /// e(t) of T: reading N(T) words at one rate, word N(t) has to be there at s(t), so the reading begins at the least of s(t) − T·N(t)/N(T)
     /// at the latest, and at e(t) the buffer holds what has been read until then less R(t).
     pub fn new(machine: &MachineSpec, geometry: &Geometry) -> ReorderNeed {
-        let spec = CfbSpec::new(machine, geometry);
+        let schedule = Schedule::new(machine, geometry);
+        let spec = CfbSpec::new(machine, geometry, schedule);
         let (mut cycle, mut rows, mut asked, mut left, mut least, mut widest) = (0, 0, 0_u64, 0_u64, 0, 0);
         let (mut starts, mut ends) = (Vec::new(), Vec::new());
-        let mut scan = Scan::default();
-        while scan.frame == 0 {
-            let at = At::of(&scan, geometry, &spec.sections);
+        for place in schedule.beams() {
+            let at = At { geometry, schedule: &schedule, place };
             let brought = at.brought().map(|minis| words_of(minis.len()));
             let (words, parts) = (brought.iter().sum(), brought.iter().filter(|&&words| words > 0).count() as u64);
             let (before, mut leave) = (asked, 0);
@@ -214,12 +207,11 @@ impl ReorderNeed {
             if asked > before {
                 starts.push([cycle, asked]);
             }
-            cycle += spec.piece_cycles(scan.piece(geometry, &spec.sections).as_ref());
+            cycle += spec.piece_cycles(Piece::at(place, geometry, &schedule).as_ref());
             if leave > 0 {
                 ends.push([cycle, left]);
                 left += leave;
             }
-            scan.advance(geometry, &spec.sections);
         }
         // In words · cycles.
         let ahead = |[at, words]: [u64; 2]| i128::from(asked) * i128::from(at) - i128::from(cycle) * i128::from(words);

@@ -2,7 +2,7 @@
 
 use super::rows::At;
 use super::{BlockModules, BlockState, MemoryCounters, MemoryState, Modules, ReorderCounters, ReorderError};
-use crate::unit::{CfbSpec, Scan};
+use crate::unit::{CfbSpec, Piece, Scan};
 use cube3_channel::Activity;
 use cube3_frame::{FrameSetup, Geometry};
 use cube3_machine::{Layout, MachineSpec};
@@ -74,16 +74,17 @@ impl Supply {
                 activity
             }
             (Supply::Blocks(modules), SupplyState::Blocks(state)) => {
-                let piece = scan.piece(geometry, &spec.sections)?;
+                let Scan { frame, place, spent } = *scan;
+                let piece = Piece::at(place, geometry, &spec.schedule)?;
                 // Of a beam with two rows the second comes behind the first, if there is one.
-                let half = spec.piece_cycles(Some(&piece)) / spec.rows;
-                let (v, step) = if scan.spent < half {
-                    (piece.row as usize, scan.spent)
+                let half = spec.piece_cycles(Some(&piece)) / spec.schedule.rows_of_beam();
+                let (v, step) = if spent < half {
+                    (piece.row as usize, spent)
                 } else {
-                    (geometry.row_below(scan.plane as usize, scan.depth as usize)?, scan.spent - half)
+                    (geometry.row_below(place.plane as usize, place.depth as usize)?, spent - half)
                 };
-                let at = At::of(scan, geometry, &spec.sections);
-                modules.waits(state, scan.frame, &at, v, &spec.voxels_of_step(&piece, step as usize))
+                let at = At { geometry, schedule: &spec.schedule, place };
+                modules.waits(state, frame, &at, v, &spec.voxels_of_step(&piece, step as usize))
             }
             _ => None,
         }
@@ -93,7 +94,7 @@ impl Supply {
     #[inline(never)]
     pub(crate) fn end_beam(&self, state: &mut SupplyState, geometry: &Geometry, spec: &CfbSpec, scan: &Scan) {
         if let (Supply::Blocks(modules), SupplyState::Blocks(state)) = (self, state) {
-            modules.leave(state, scan.frame, &At::of(scan, geometry, &spec.sections));
+            modules.leave(state, scan.frame, &At { geometry, schedule: &spec.schedule, place: scan.place });
         }
     }
 }

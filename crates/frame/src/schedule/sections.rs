@@ -1,7 +1,7 @@
 //! Sections: ranges of the ray slots of a plane that the machine takes one behind another.
 
 use crate::Geometry;
-use cube3_machine::{MachineSpec, RaySlots};
+use cube3_machine::RaySlots;
 use std::ops::Range;
 
 /// The sections of a frame: the slots of a plane in pieces of one width, the last as wide as is left.
@@ -18,18 +18,23 @@ pub struct Sections {
 
 impl Sections {
     /// Sections of `width` slots of a frame; one of all slots where none is given, and in perspective.
-    pub fn new(geometry: &Geometry, width: Option<usize>) -> Sections {
+    pub fn of_frame(geometry: &Geometry, width: Option<usize>) -> Sections {
         let [slots, _] = geometry.slot_counts();
-        Sections::of_slots(slots, width.filter(|_| geometry.perspective.is_none()))
+        Sections::new(slots, width.filter(|_| geometry.perspective.is_none()))
     }
 
     /// The sections in which a machine takes a frame.
-    pub fn of(machine: &MachineSpec, geometry: &Geometry) -> Sections {
-        Sections::new(geometry, machine.rays.section)
+    pub fn of(machine: &cube3_machine::MachineSpec, geometry: &Geometry) -> Sections {
+        Sections::of_frame(geometry, machine.rays.section)
     }
 
     /// Sections of `width` of so many slots; one of all slots where none is given.
     pub fn of_slots(slots: usize, width: Option<usize>) -> Sections {
+        Sections::new(slots, width)
+    }
+
+    /// Sections of `width` of so many slots; one of all slots where none is given.
+    pub(super) fn new(slots: usize, width: Option<usize>) -> Sections {
         let width = width.unwrap_or(slots).clamp(1, slots.max(1));
         Sections { slots, width, behind: 0, last: slots.div_ceil(width).saturating_sub(1) }
     }
@@ -63,6 +68,24 @@ impl Sections {
     #[inline]
     pub fn end(&self, section: usize) -> usize {
         if section >= self.last { self.slots } else { ((section + 1) * self.width).saturating_sub(self.behind) }
+    }
+
+    /// Whether a slot is the first of a section behind another.
+    #[inline]
+    pub fn continues(&self, slot: usize) -> bool {
+        slot > 0 && self.slots(self.section(slot)).start == slot
+    }
+
+    /// Whether a slot is the last of a section before another.
+    #[inline]
+    pub fn breaks_off(&self, slot: usize) -> bool {
+        let section = self.section(slot);
+        section < self.last && self.end(section) == slot + 1
+    }
+
+    /// The widest one in slots.
+    pub fn widest(&self) -> usize {
+        (0..self.count()).map(|section| self.slots(section).len()).max().unwrap_or(0)
     }
 
     /// The section of a slot.
@@ -108,12 +131,12 @@ mod tests {
             let slots = if padded { RaySlots::Padded } else { RaySlots::Wrapped };
             let axes = Axes { axis: [0, 1, 2], reversed: [false; 3] };
             let geometry = Geometry::new(size, axes, slopes, largest_offset(rule, slopes, 8).min(128), 8, rule, slots);
-            let sections = Sections::new(&geometry, Some(width));
             let [count, _] = geometry.slot_counts();
+            let sections = Sections::new(count, Some(width));
             let all: Vec<usize> = (0..sections.count()).flat_map(|s| sections.slots(s)).collect();
             prop_assert_eq!(all, (0..count).collect::<Vec<_>>());
             prop_assert!((0..sections.count()).all(|s| (1..=width).contains(&sections.slots(s).len())));
-            prop_assert_eq!(Sections::new(&geometry, None).slots(0), 0..count);
+            prop_assert_eq!(Sections::new(count, None).slots(0), 0..count);
             for depth in 0..size[2] {
                 for s in 0..sections.count() {
                     let slots = sections.slots(s);
@@ -128,7 +151,7 @@ mod tests {
         /// A unit gives slot j when slot j + `behind` has come, or the last one.
         #[test]
         fn sections_behind_give_what_has_come(slots in 1_usize..30, width in 1_usize..34, behind in 0_usize..5) {
-            let taken = Sections::of_slots(slots, Some(width));
+            let taken = Sections::new(slots, Some(width));
             let given = taken.behind(behind);
             prop_assert_eq!(given.count(), slots.div_ceil(width));
             prop_assert_eq!(given.is_whole(), width >= slots);
