@@ -97,7 +97,8 @@ impl Frame<'_> {
         let operators =
             operators::gradient(method, words) + operators::gradient_word(words, method.row().extra_bits()) + scale;
         let schedule = self.schedule();
-        let samples = schedule.samples_kept(setup.ring(machine.abc.planes), machine.frames.overlap);
+        let ring = setup.ring(machine.abc.planes);
+        let samples = schedule.samples_kept(ring, machine.frames.overlap) + schedule.overlap_samples();
         let wait = |buffered| schedule.neighbours(setup.most_reach(), buffered).first_wait();
         let cycles = schedule.ray_cycles() * (wait(true) - wait(false));
         let bits = samples * u64::from(words.sample_bits());

@@ -37,6 +37,17 @@ impl Schedule {
         self.first_copies(overlap) * 2 * self.neighbour_slots() * self.shape().depths as u64
     }
 
+    /// Words of the overlap buffers of samples beside the chip: of each plane the last rays of a section, and the first of the plane where
+    /// slots are shared. None where planes are taken whole.
+    pub fn overlap_samples(&self) -> u64 {
+        if self.sections().is_whole() {
+            return 0;
+        }
+        let neighbours = self.neighbours(1, true);
+        let [_, firsts] = neighbours.needed_before(neighbours.sections().count() - 1);
+        (self.shape().depths * self.shape().planes * (Neighbours::BORDER + firsts.len())) as u64
+    }
+
     /// Words of the planes of samples that a gradient reads: a ring of so many, and the first two where the last is followed by the first.
     pub fn samples_kept(&self, ring: usize, overlap: bool) -> u64 {
         let firsts = if self.shape().closes[1] { self.first_samples(overlap) } else { 0 };
