@@ -19,7 +19,7 @@ use cube3_channel::{
 use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelGroup, Pixels, Reduce, Reducer};
 use cube3_dsb::bus::{Align, BusCounters, BusUnit, NoBus};
 use cube3_dsb::{DsbSpec, DsbUnit, LinkReading, NoPlanes, PlaneStore, RayPair, Rotator, Store};
-use cube3_frame::{BasePlane, FrameSetup, Schedule, Sections};
+use cube3_frame::{BasePlane, FrameSetup, Schedule};
 use cube3_machine::{AcquisitionMode, ChannelSize, MachineSpec};
 use cube3_trilin::{Interpolate, Interpolator, NoSamples, RaySamples, SampleRay, TrilinSpec, TrilinUnit};
 
@@ -248,9 +248,10 @@ impl Machine<Cycle> {
         let memory = FrameBuffer::with_layout(skew, machine.cfb.layout, dims, voxels)?;
         let parts = |setup: &FrameSetup| {
             let geometry = &setup.geometry;
-            let sections = Sections::of(machine, geometry);
+            let schedule = Schedule::new(machine, geometry);
+            let sections = *schedule.sections();
             Parts {
-                dsb: PlaneStore::new(geometry, lanes, machine.dsb.planes).in_sections(sections),
+                dsb: PlaneStore::new(schedule, machine.dsb.planes),
                 trilin: Interpolator::new(setup, lanes).in_sections(geometry, sections),
                 abc: Shader::new(setup, machine.abc.planes, true).in_sections(setup, sections),
                 host: Collector { base: BasePlane::empty(geometry, setup.words.accumulator_bits) },
@@ -358,24 +359,24 @@ impl<F: Fidelity> Machine<F> {
         let mut host = Vec::new();
         let mut samples = channel(samples, sizes.samples)?;
         let mut shaded = channel(shaded, sizes.shaded)?;
-        for setup in &frames {
+        let schedules: Vec<Schedule> = frames.iter().map(|setup| Schedule::new(machine, &setup.geometry)).collect();
+        let planned = || frames.iter().zip(schedules.iter().copied());
+        for (setup, schedule) in planned() {
             let parts = parts(setup);
             if dsb.is_empty() {
                 samples.furnish(|| SampleRay { data: parts.trilin.blank(), ..SampleRay::default() });
                 shaded.furnish(|| ShadedRay { data: parts.abc.blank(), ..ShadedRay::default() });
             }
-            dsb.push((DsbSpec::new(machine, &setup.geometry), parts.dsb));
+            dsb.push((DsbSpec::new(machine, schedule), parts.dsb));
             trilin.push((TrilinSpec::new(machine, &setup.geometry), parts.trilin));
             abc.push((AbcSpec::new(machine, setup), parts.abc));
             host.push((setup, parts.host));
         }
-        let schedules: Vec<Schedule> = frames.iter().map(|setup| Schedule::new(machine, &setup.geometry)).collect();
-        let planned = || frames.iter().zip(&schedules);
-        let specs = planned().map(|(setup, schedule)| CfbSpec::new(machine, &setup.geometry, *schedule)).collect();
+        let specs = planned().map(|(setup, schedule)| CfbSpec::new(machine, &setup.geometry, schedule)).collect();
         let modules = Supply::new(machine, &frames)?;
         Ok(Machine {
             cfb: CfbUnit::new(specs, memory).with_modules(modules),
-            bus: BusUnit::new(machine, frames.iter().map(|setup| &setup.geometry), wires),
+            bus: BusUnit::new(machine, schedules.iter().copied(), wires),
             dsb: DsbUnit::new(dsb),
             trilin: TrilinUnit::new(trilin),
             abc: AbcUnit::new(abc),

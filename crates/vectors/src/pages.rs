@@ -185,9 +185,10 @@ impl Example {
     /// The timing of a page's unit, read from its spec.
     fn timing(&self, file: &str) -> Vec<Timing> {
         let (machine, geometry) = (&self.machine, self.geometry());
+        let schedule = Schedule::new(machine, geometry);
         match file {
             "sheet-cfb.md" => {
-                let spec = CfbSpec::new(machine, geometry, Schedule::new(machine, geometry));
+                let spec = CfbSpec::new(machine, geometry, schedule);
                 vec![
                     (
                         "initiation interval: a beam",
@@ -199,7 +200,7 @@ impl Example {
                 ]
             }
             "sheet-bus.md" => {
-                let spec = BusSpec::new(machine, geometry);
+                let spec = BusSpec::new(machine, schedule);
                 vec![
                     (
                         "initiation interval: a beam",
@@ -210,15 +211,19 @@ impl Example {
                 ]
             }
             "sheet-dsb.md" => {
-                let spec = DsbSpec::new(machine, geometry);
+                let spec = DsbSpec::new(machine, schedule);
                 vec![
-                    ("initiation interval of the write port: a beam", "⌈n_u / lanes⌉", spec.write_cycles),
-                    ("initiation interval of the read port: a ray", "⌈n_w / lanes⌉", spec.read_cycles),
-                    ("beams before the first ray", "two planes: 2·n_w", 2 * u64::from(spec.depths)),
+                    ("initiation interval of the write port: a beam", "⌈n_u / lanes⌉", schedule.aligned_cycles()),
+                    ("initiation interval of the read port: a ray", "⌈n_w / lanes⌉", schedule.ray_cycles()),
+                    (
+                        "beams before the first ray",
+                        "two planes: 2·n_w",
+                        schedule.planes_read(0, 0) * geometry.size[2] as u64,
+                    ),
                     (
                         "planes",
                         "`dsb.planes`, and the first one where slots close along v",
-                        spec.planes as u64 + u64::from(spec.closes),
+                        spec.planes as u64 + u64::from(geometry.closes()[1]),
                     ),
                 ]
             }

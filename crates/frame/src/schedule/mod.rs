@@ -106,7 +106,7 @@ impl Schedule {
 
     /// Planes of the frame, those of each section.
     pub fn planes_of_frame(&self) -> u64 {
-        self.plane_number(self.sections.count(), 0)
+        self.plane_number(self.sections.count() as u32, 0)
     }
 
     /// Beams of the frame, those of each section, with those that lie outside of the volume where slots are padded.
@@ -116,26 +116,38 @@ impl Schedule {
 
     /// Planes of the frame before a plane of a section.
     #[inline]
-    pub fn plane_number(&self, section: usize, plane: usize) -> u64 {
-        section as u64 * self.shape.planes as u64 + plane as u64
+    pub fn plane_number(&self, section: u32, plane: u32) -> u64 {
+        u64::from(section) * self.shape.planes as u64 + u64::from(plane)
     }
 
     /// Planes of the frame that are there when the rays of a plane of a section can be read: that and those before it, and the one below where
     /// there is one.
     #[inline]
-    pub fn planes_read(&self, section: usize, plane: usize) -> u64 {
-        self.plane_number(section, (plane + 2).min(self.shape.planes))
+    pub fn planes_read(&self, section: u32, plane: u32) -> u64 {
+        self.plane_number(section, (plane + 2).min(self.shape.planes as u32))
+    }
+
+    /// Whether a depth is the last one: with its beam a plane is whole.
+    #[inline]
+    pub fn is_last_depth(&self, depth: u32) -> bool {
+        depth as usize + 1 == self.shape.depths
     }
 
     /// Whether a plane is the last one.
     #[inline]
-    pub fn is_last_plane(&self, plane: usize) -> bool {
-        plane + 1 == self.shape.planes
+    pub fn is_last_plane(&self, plane: u32) -> bool {
+        plane as usize + 1 == self.shape.planes
+    }
+
+    /// Whether a slot is the last one of a plane.
+    #[inline]
+    pub fn is_last_slot(&self, slot: u32) -> bool {
+        slot as usize + 1 == self.shape.slots
     }
 
     /// The plane below a plane: below the last the first where they are shared, and else none.
     #[inline]
-    pub fn below(&self, plane: usize) -> Option<usize> {
+    pub fn below(&self, plane: u32) -> Option<u32> {
         if !self.is_last_plane(plane) { Some(plane + 1) } else { self.shape.closes[1].then_some(0) }
     }
 

@@ -59,7 +59,7 @@ proptest! {
         let mut place = BeamPlace::default();
         for (number, beam) in beams.iter().enumerate() {
             prop_assert_eq!(place, *beam);
-            let plane = schedule.plane_number(place.section as usize, place.plane as usize);
+            let plane = schedule.plane_number(place.section, place.plane);
             prop_assert_eq!(plane, (number / shape.depths) as u64);
             prop_assert_eq!(schedule.next_beam(&mut place), number + 1 == beams.len());
         }
@@ -104,15 +104,13 @@ proptest! {
     fn a_ray_is_read_when_its_plane_and_the_one_below_are_there(shape in any_shape()) {
         let schedule = Schedule::of_shape(shape);
         for RayPlace { section, plane, .. } in schedule.rays() {
-            let [section, plane] = [section as usize, plane as usize];
-            let below = plane + 1 < shape.planes;
-            let needed = [plane, if below { plane + 1 } else { plane }];
-            let of = |beam: BeamPlace| [beam.section as usize, beam.plane as usize];
-            let last = schedule.beams().filter(|beam| of(*beam)[0] == section && needed.contains(&of(*beam)[1])).max();
+            let below = (plane + 1 < shape.planes as u32).then_some(plane + 1);
+            let needed = [plane, below.unwrap_or(plane)];
+            let last = schedule.beams().filter(|beam| beam.section == section && needed.contains(&beam.plane)).max();
             let beams = schedule.beams().filter(|beam| Some(*beam) <= last).count();
             prop_assert_eq!(schedule.planes_read(section, plane) * shape.depths as u64, beams as u64);
-            prop_assert_eq!(schedule.is_last_plane(plane), !below);
-            prop_assert_eq!(schedule.below(plane), if below { Some(plane + 1) } else { shape.closes[1].then_some(0) });
+            prop_assert_eq!(schedule.is_last_plane(plane), below.is_none());
+            prop_assert_eq!(schedule.below(plane), below.or(shape.closes[1].then_some(0)));
         }
     }
 
