@@ -21,7 +21,7 @@ use cube3_dsb::bus::{Align, BusCounters, BusUnit, NoBus};
 use cube3_dsb::{DsbSpec, DsbUnit, LinkReading, NoPlanes, PlaneStore, RayPair, Rotator, Store};
 use cube3_frame::{BasePlane, FrameSetup, Schedule};
 use cube3_machine::{AcquisitionMode, ChannelSize, MachineSpec};
-use cube3_trilin::{Interpolate, Interpolator, NoSamples, RaySamples, SampleRay, TrilinSpec, TrilinUnit};
+use cube3_trilin::{Interpolate, Interpolator, NoSamples, RaySamples, SampleRay, TrilinUnit};
 
 /// Units of a machine, a unit with two ports counted twice.
 pub const UNITS: usize = 8;
@@ -252,7 +252,7 @@ impl Machine<Cycle> {
             let sections = *schedule.sections();
             Parts {
                 dsb: PlaneStore::new(schedule, machine.dsb.planes),
-                trilin: Interpolator::new(setup, lanes).in_sections(geometry, sections),
+                trilin: Interpolator::new(setup, schedule),
                 abc: Shader::new(setup, machine.abc.planes, true).in_sections(setup, sections),
                 host: Collector { base: BasePlane::empty(geometry, setup.words.accumulator_bits) },
             }
@@ -368,7 +368,7 @@ impl<F: Fidelity> Machine<F> {
                 shaded.furnish(|| ShadedRay { data: parts.abc.blank(), ..ShadedRay::default() });
             }
             dsb.push((DsbSpec::new(machine, schedule), parts.dsb));
-            trilin.push((TrilinSpec::new(machine, &setup.geometry), parts.trilin));
+            trilin.push((schedule, parts.trilin));
             abc.push((AbcSpec::new(machine, setup), parts.abc));
             host.push((setup, parts.host));
         }

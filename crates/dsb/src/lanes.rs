@@ -90,8 +90,6 @@ impl Rotator {
 pub struct PlaneStore {
     /// The order of the beams: the ring holds planes of sections, one behind another.
     schedule: Schedule,
-    /// Words of a ray: whole chunks of lanes.
-    depths: usize,
     ring: Vec<Vec<u16>>,
     first: Vec<u16>,
     /// A beam of zeros.
@@ -103,11 +101,10 @@ impl PlaneStore {
     /// the machine's has places for those of one section.
     pub fn new(schedule: Schedule, planes: usize) -> PlaneStore {
         let FrameShape { slots, lanes, closes: [_, closes], .. } = *schedule.shape();
-        let depths = schedule.ray_cycles() as usize * lanes;
-        let words = slots * depths * schedule.words_of_slot();
+        let words = slots * schedule.ray_words() * schedule.words_of_slot();
         let first = if closes { vec![0; words] } else { Vec::new() };
         let zeros = vec![0; schedule.words_of_slot() * slots.div_ceil(lanes) * lanes];
-        PlaneStore { schedule, depths, ring: vec![vec![0; words]; planes], first, zeros }
+        PlaneStore { schedule, ring: vec![vec![0; words]; planes], first, zeros }
     }
 
     /// A plane of a section, counted over all of them.
@@ -119,16 +116,17 @@ impl PlaneStore {
     pub fn write(&mut self, BeamPlace { section, plane, depth }: BeamPlace, beam: Option<&[u16]>) {
         let place = self.plane(section, plane) % self.ring.len();
         let beam = beam.unwrap_or(&self.zeros);
-        let PlaneStore { schedule, depths, ring, first, .. } = self;
+        let PlaneStore { schedule, ring, first, .. } = self;
         let (FrameShape { slots, lanes, .. }, copies) = (*schedule.shape(), schedule.words_of_slot());
+        let depths = schedule.ray_words();
         let (sections, depth) = (schedule.sections(), depth as usize);
         let kept = (plane == 0 && !first.is_empty()).then_some(first);
         for plane in std::iter::once(&mut ring[place]).chain(kept) {
             if sections.is_whole() {
-                put([lanes, slots, *depths, copies], depth, beam, plane);
+                put([lanes, slots, depths, copies], depth, beam, plane);
             } else {
                 for j in sections.slots(section as usize) {
-                    plane[j * *depths + depth] = beam[beam_lane(lanes, j, depth)];
+                    plane[j * depths + depth] = beam[beam_lane(lanes, j, depth)];
                 }
             }
         }
@@ -149,7 +147,8 @@ impl PlaneStore {
     /// Appends copy `copy` of ray slot `j`; see [`Rotator::gather`] for their order.
     pub(crate) fn read_copy(&self, plane: usize, kept: bool, j: usize, copy: usize, ray: &mut Vec<u16>) {
         let buffer = if kept { &self.first } else { &self.ring[plane % self.ring.len()] };
-        ray.extend_from_slice(&buffer[(copy * self.schedule.shape().slots + j) * self.depths..][..self.depths]);
+        let depths = self.schedule.ray_words();
+        ray.extend_from_slice(&buffer[(copy * self.schedule.shape().slots + j) * depths..][..depths]);
     }
 }
 
@@ -185,7 +184,7 @@ fn spread(words: &[u16], depth: usize, depths: usize, rays: &mut [u16]) {
 
 impl Archived for PlaneStore {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let PlaneStore { schedule: _, depths: _, ring, first, zeros: _ } = self;
+        let PlaneStore { schedule: _, ring, first, zeros: _ } = self;
         ring.iter_mut().try_for_each(|plane| archive.list(plane))?;
         archive.list(first)
     }

@@ -10,7 +10,6 @@ use cube3_frame::{FrameSetup, Geometry, Schedule};
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::{ChannelSize, MachineSpec};
 use cube3_scene::{Scene, View};
-use cube3_trilin::TrilinSpec;
 use std::fmt::Write;
 
 /// A page.
@@ -228,9 +227,8 @@ impl Example {
                 ]
             }
             "sheet-trilin.md" => {
-                let spec = TrilinSpec::new(machine, geometry);
                 vec![
-                    ("initiation interval: a ray", "⌈n_w / lanes⌉", spec.ray_cycles),
+                    ("initiation interval: a ray", "⌈n_w / lanes⌉", schedule.ray_cycles()),
                     ("rays before the first sample", "the next of its plane: 2", 2),
                 ]
             }

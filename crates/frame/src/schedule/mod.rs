@@ -185,6 +185,12 @@ impl Schedule {
         cycles(voxels as usize, self.shape.lanes)
     }
 
+    /// Words of a ray that is filled up to whole chunks of lanes.
+    #[inline]
+    pub fn ray_words(&self) -> usize {
+        self.ray_cycles as usize * self.shape.lanes
+    }
+
     /// Cycles in which they take a ray: ⌈n_w / lanes⌉.
     #[inline]
     pub fn ray_cycles(&self) -> u64 {
