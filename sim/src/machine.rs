@@ -227,7 +227,8 @@ impl Machine<Timing> {
     /// # Errors
     /// A channel that cannot be built, a reorder buffer that is too small.
     pub fn timing(machine: &MachineSpec, frames: Vec<FrameSetup>) -> Result<Machine<Timing>, RunError> {
-        let parts = |_: &FrameSetup| Parts { dsb: NoPlanes, trilin: NoSamples, abc: NoShading, host: NoHost };
+        let parts =
+            |_: &FrameSetup, _: Schedule| Parts { dsb: NoPlanes, trilin: NoSamples, abc: NoShading, host: NoHost };
         Machine::assemble(machine, frames, NoVoxels, NoBus, NoPixels, parts)
     }
 }
@@ -246,14 +247,12 @@ impl Machine<Cycle> {
         let lanes = machine.lanes;
         let skew = Skew { coefficients: machine.cfb.skew, lanes };
         let memory = FrameBuffer::with_layout(skew, machine.cfb.layout, dims, voxels)?;
-        let parts = |setup: &FrameSetup| {
+        let parts = |setup: &FrameSetup, schedule: Schedule| {
             let geometry = &setup.geometry;
-            let schedule = Schedule::new(machine, geometry);
-            let sections = *schedule.sections();
             Parts {
                 dsb: PlaneStore::new(schedule, machine.dsb.planes),
                 trilin: Interpolator::new(setup, schedule),
-                abc: Shader::new(setup, machine.abc.planes, true).in_sections(setup, sections),
+                abc: Shader::new(setup, &schedule, machine.abc.planes, true),
                 host: Collector { base: BasePlane::empty(geometry, setup.words.accumulator_bits) },
             }
         };
@@ -349,7 +348,7 @@ impl<F: Fidelity> Machine<F> {
         memory: F::Cfb,
         wires: F::Bus,
         nodes: F::Cone,
-        parts: impl Fn(&FrameSetup) -> Parts<F>,
+        parts: impl Fn(&FrameSetup, Schedule) -> Parts<F>,
     ) -> Result<Machine<F>, RunError> {
         let sizes = channels(machine, &frames);
         let [beams, aligned, rays, samples, shaded, pixels] = Self::JOINTS.map(|joint| joint.channel);
@@ -362,14 +361,14 @@ impl<F: Fidelity> Machine<F> {
         let schedules: Vec<Schedule> = frames.iter().map(|setup| Schedule::new(machine, &setup.geometry)).collect();
         let planned = || frames.iter().zip(schedules.iter().copied());
         for (setup, schedule) in planned() {
-            let parts = parts(setup);
+            let parts = parts(setup, schedule);
             if dsb.is_empty() {
                 samples.furnish(|| SampleRay { data: parts.trilin.blank(), ..SampleRay::default() });
                 shaded.furnish(|| ShadedRay { data: parts.abc.blank(), ..ShadedRay::default() });
             }
             dsb.push((DsbSpec::new(machine, schedule), parts.dsb));
             trilin.push((schedule, parts.trilin));
-            abc.push((AbcSpec::new(machine, setup), parts.abc));
+            abc.push((AbcSpec::new(machine, setup, &schedule), parts.abc));
             host.push((setup, parts.host));
         }
         let specs = planned().map(|(setup, schedule)| CfbSpec::new(machine, &setup.geometry, schedule)).collect();

@@ -233,19 +233,19 @@ impl Example {
                 ]
             }
             "sheet-gradient.md" | "sheet-shading.md" => {
-                let spec = AbcSpec::new(machine, &self.setup);
-                let [plane, slot] = spec.order().next().unwrap_or_default();
+                let AbcSpec { ray_cycles, order, ring } = AbcSpec::new(machine, &self.setup, &schedule);
+                let [plane, slot] = order.shaded().next().unwrap_or_default();
                 vec![
-                    ("initiation interval: a ray", "⌈n_w / lanes⌉", spec.ray_cycles),
+                    ("initiation interval: a ray", "⌈n_w / lanes⌉", ray_cycles),
                     (
                         "rays before the first is shaded",
                         "those of the planes and rays beside it",
-                        spec.needed(plane, slot),
+                        order.needed(plane, slot),
                     ),
                     (
                         "planes of samples",
                         "`abc.planes`, and the first two where slots close along v",
-                        spec.ring + 2 * u64::from(spec.closes[1]),
+                        ring + 2 * u64::from(geometry.closes()[1]),
                     ),
                 ]
             }

@@ -8,16 +8,16 @@
 //! ```
 
 mod bands;
-mod neighbours;
 mod places;
 mod sections;
+mod shading;
 #[cfg(test)]
 mod tests;
 
 pub use bands::Bands;
-pub use neighbours::Neighbours;
 pub use places::{BeamPlace, RayPlace};
 pub use sections::Sections;
+pub use shading::ShadingOrder;
 
 use crate::Geometry;
 use cube3_machine::MachineSpec;
