@@ -45,6 +45,7 @@ pub struct Joint {
 /// A machine with the registers of the frames that it is to render, one after another.
 pub struct Machine<F: Fidelity> {
     frames: Vec<FrameSetup>,
+    schedules: Vec<Schedule>,
     /// Ray slots of all frames.
     slots: u64,
     overlap: bool,
@@ -169,23 +170,24 @@ impl Standing {
     }
 }
 
-/// The identity of a channel's token, of these frames.
+/// The identity of a channel's token, of frames of these schedules.
 trait Identity {
-    fn token(&self, frames: &[FrameSetup]) -> Token;
+    fn token(&self, schedules: &[Schedule]) -> Token;
 }
 
 impl<D> Identity for Beam<D> {
-    fn token(&self, frames: &[FrameSetup]) -> Token {
+    fn token(&self, schedules: &[Schedule]) -> Token {
         // Pieces of a beam come with their sections.
-        let planes = frames.get(self.frame as usize).map_or(0, |setup| setup.geometry.slot_counts()[1]);
-        Token { frame: self.frame, plane: self.section * planes as u32 + self.plane, place: self.depth }
+        let number = |schedule: &Schedule| schedule.plane_number(self.section, self.plane) as u32;
+        let plane = schedules.get(self.frame as usize).map_or(self.plane, number);
+        Token { frame: self.frame, plane, place: self.depth }
     }
 }
 
 macro_rules! ray_identity {
     ($($token:ident),*) => {
         $(impl<D> Identity for $token<D> {
-            fn token(&self, _: &[FrameSetup]) -> Token {
+            fn token(&self, _: &[Schedule]) -> Token {
                 Token { frame: self.frame, plane: self.plane, place: self.slot }
             }
         })*
@@ -194,17 +196,17 @@ macro_rules! ray_identity {
 
 ray_identity!(RayPair, SampleRay, ShadedRay, PixelGroup);
 
-/// What a function says of each channel and the frames, in the order of [`Machine::JOINTS`]. The channels are of six types.
+/// What a function says of each channel and the schedules, in the order of [`Machine::JOINTS`]. The channels are of six types.
 macro_rules! of_channels {
     ($machine:expr, $of:ident) => {{
-        let Machine { frames, beams, aligned, rays, samples, shaded, pixels, .. } = $machine;
+        let Machine { schedules, beams, aligned, rays, samples, shaded, pixels, .. } = $machine;
         [
-            $of(beams, frames),
-            $of(aligned, frames),
-            $of(rays, frames),
-            $of(samples, frames),
-            $of(shaded, frames),
-            $of(pixels, frames),
+            $of(beams, schedules),
+            $of(aligned, schedules),
+            $of(rays, schedules),
+            $of(samples, schedules),
+            $of(shaded, schedules),
+            $of(pixels, schedules),
         ]
     }};
 }
@@ -309,12 +311,6 @@ impl Overflows {
     }
 }
 
-/// Ray slots of a frame.
-fn slots_of(setup: &FrameSetup) -> u64 {
-    let [slots, planes] = setup.geometry.slot_counts();
-    slots as u64 * planes as u64
-}
-
 impl<F: Fidelity> Machine<F> {
     /// The units' names, in pipeline order.
     pub const UNITS: [&'static str; UNITS] = [
@@ -369,7 +365,7 @@ impl<F: Fidelity> Machine<F> {
             dsb.push((DsbSpec::new(machine, schedule), parts.dsb));
             trilin.push((schedule, parts.trilin));
             abc.push((AbcSpec::new(machine, setup, &schedule), parts.abc));
-            host.push((setup, parts.host));
+            host.push((setup, schedule, parts.host));
         }
         let specs = planned().map(|(setup, schedule)| CfbSpec::new(machine, &setup.geometry, schedule)).collect();
         let modules = Supply::new(machine, &frames)?;
@@ -379,10 +375,10 @@ impl<F: Fidelity> Machine<F> {
             dsb: DsbUnit::new(dsb),
             trilin: TrilinUnit::new(trilin),
             abc: AbcUnit::new(abc),
-            cone: ConeUnit::new(frames.iter().map(|setup| ConeSpec::new(machine, setup)).collect(), nodes),
+            cone: ConeUnit::new(schedules.iter().map(|schedule| ConeSpec::new(machine, schedule)).collect(), nodes),
             host: HostPort::new(machine, host),
-            ray_words: frames.iter().map(|setup| RayWords::new(machine, setup)).collect(),
-            traffic: Traffic::new(machine, &frames),
+            ray_words: planned().map(|(setup, schedule)| RayWords::new(machine, setup, &schedule)).collect(),
+            traffic: Traffic::new(machine, planned()),
             beams: channel(beams, sizes.beams)?,
             aligned: channel(aligned, sizes.aligned)?,
             rays: channel(rays, sizes.rays)?,
@@ -392,9 +388,10 @@ impl<F: Fidelity> Machine<F> {
             cycle: 0,
             last_move: 0,
             frame_ends: Vec::with_capacity(frames.len()),
-            slots: frames.iter().map(slots_of).sum(),
+            slots: schedules.iter().map(Schedule::ray_slots).sum(),
             overlap: machine.frames.overlap,
             frames,
+            schedules,
         })
     }
 
@@ -445,16 +442,16 @@ impl<F: Fidelity> Machine<F> {
     #[inline]
     pub fn newest(&self) -> [(ChannelCounters, Option<(Token, u64)>); CHANNELS] {
         #[inline]
-        fn of<T: Identity>(channel: &Channel<T>, frames: &[FrameSetup]) -> (ChannelCounters, Option<(Token, u64)>) {
-            (channel.counters(), channel.newest().map(|token| (token.token(frames), channel.newest_late())))
+        fn of<T: Identity>(channel: &Channel<T>, schedules: &[Schedule]) -> (ChannelCounters, Option<(Token, u64)>) {
+            (channel.counters(), channel.newest().map(|token| (token.token(schedules), channel.newest_late())))
         }
         of_channels!(self, of)
     }
 
     /// The tokens in each channel, oldest first, each with the cycles until it can be popped.
     pub fn held(&self) -> [Vec<(Token, u64)>; CHANNELS] {
-        fn of<T: Identity>(channel: &Channel<T>, frames: &[FrameSetup]) -> Vec<(Token, u64)> {
-            channel.held().map(|(token, cycles)| (token.token(frames), cycles)).collect()
+        fn of<T: Identity>(channel: &Channel<T>, schedules: &[Schedule]) -> Vec<(Token, u64)> {
+            channel.held().map(|(token, cycles)| (token.token(schedules), cycles)).collect()
         }
         of_channels!(self, of)
     }
@@ -601,6 +598,7 @@ impl<F: Fidelity> Archived for Machine<F> {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
         let Machine {
             frames: _,
+            schedules: _,
             slots: _,
             overlap: _,
             ray_words: _,

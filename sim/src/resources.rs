@@ -7,7 +7,7 @@ use crate::machine::RunCounters;
 use crate::overlap::{Overlap, neighbour_slots, sample_slots, voxel_slots};
 use cube3_cfb::memory::{edge_words, reorder_words};
 use cube3_cone::ConeSpec;
-use cube3_frame::{ConeRegisters, FrameSetup, GradientScale, LinearFactor, Schedule, Sections, Shading};
+use cube3_frame::{ConeRegisters, FrameSetup, GradientScale, LinearFactor, Schedule, Shading};
 use cube3_machine::{
     ControllerKind, GradientMethod, Layout, MachineSpec, MemoryModel, RayEnds, RaySlots, Reuse, ShadingUnit,
 };
@@ -168,12 +168,13 @@ pub(crate) fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSet
     // The largest frame sets the size of each buffer; registers and first planes are there twice where frames overlap, and first planes
     // where a frame has sections, which overlap likewise.
     let twice = if machine.frames.overlap { 2 } else { 1 };
-    let firsts = |setup: &FrameSetup| if Sections::of(machine, &setup.geometry).is_whole() { twice } else { 2 };
+    let schedule = |setup: &FrameSetup| Schedule::new(machine, &setup.geometry);
+    let firsts = |setup: &FrameSetup| if schedule(setup).sections().is_whole() { twice } else { 2 };
     let most = |of: &dyn Fn(&FrameSetup) -> u64| frames.iter().map(of).max().unwrap_or(0);
-    let depths = |setup: &FrameSetup| setup.geometry.size[2] as u64;
-    let closes = |setup: &FrameSetup, axis: usize| u64::from(setup.geometry.closes()[axis]);
+    let depths = |setup: &FrameSetup| schedule(setup).shape().depths as u64;
+    let closes = |setup: &FrameSetup, axis: usize| u64::from(schedule(setup).shape().closes[axis]);
     let ring = machine.dsb.planes as u64;
-    let copies = |setup: &FrameSetup| if setup.geometry.doubled() { 4 } else { 1 };
+    let copies = |setup: &FrameSetup| schedule(setup).words_of_slot() as u64;
     let planes = most(&|setup| {
         copies(setup) * (ring + firsts(setup) * closes(setup, 1)) * voxel_slots(machine, setup) * depths(setup)
     });
@@ -199,7 +200,7 @@ pub(crate) fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSet
     });
     kind("sample planes", format!("{shaded} samples of {sample_bits} bits"), shaded * sample_bits);
     if machine.cfb.layout == Layout::MiniBlocks {
-        let edges = most(&|setup| edge_words(&setup.geometry, &Schedule::new(machine, &setup.geometry)));
+        let edges = most(&|setup| edge_words(&setup.geometry, &schedule(setup)));
         kind(
             "overlap buffers of voxels",
             format!("beside the chip, {edges} voxels of {voxel_bits} bits"),
@@ -307,7 +308,7 @@ fn interfaces(machine: &MachineSpec, frames: &[FrameSetup], counters: &RunCounte
     let shaded = bytes(3 * words.colour_bits + words.opacity_bits);
     let sum = |of: &dyn Fn(&FrameSetup) -> f64| frames.iter().map(of).sum::<f64>();
     let beam = frames.first().map_or(0.0, |setup| setup.geometry.size[0] as f64);
-    let slots = |setup: &FrameSetup| setup.geometry.slot_counts().iter().map(|&n| n as f64).product::<f64>();
+    let slots = |setup: &FrameSetup| Schedule::new(machine, &setup.geometry).ray_slots() as f64;
     let depths = |setup: &FrameSetup| setup.geometry.size[2] as f64;
     // With sections, beams come in pieces: together all voxels.
     let all = |setup: &FrameSetup| setup.geometry.size.iter().map(|&n| n as f64).product::<f64>();

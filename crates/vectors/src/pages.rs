@@ -250,7 +250,7 @@ impl Example {
                 ]
             }
             "sheet-cone.md" => {
-                let spec = ConeSpec::new(machine, &self.setup);
+                let spec = ConeSpec::new(machine, &schedule);
                 vec![
                     ("initiation interval: a ray", "⌈n_w / lanes⌉; n_w in a single accumulator", spec.ray_cycles),
                     ("latency", "⌈log₂ lanes⌉ + 1 of a folded tree", spec.latency()),

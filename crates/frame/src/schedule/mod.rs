@@ -81,10 +81,16 @@ impl Schedule {
         Schedule {
             shape,
             sections: Sections::new(slots, section),
-            row_cycles: cycles(columns, lanes),
-            aligned_cycles: cycles(aligned, lanes),
-            ray_cycles: cycles(depths, lanes),
+            row_cycles: Schedule::cycles(columns, lanes),
+            aligned_cycles: Schedule::cycles(aligned, lanes),
+            ray_cycles: Schedule::cycles(depths, lanes),
         }
+    }
+
+    /// Cycles in which `lanes` lanes take so many words, and chunks of them: ⌈words / lanes⌉.
+    #[inline]
+    pub fn cycles(words: usize, lanes: usize) -> u64 {
+        words.div_ceil(lanes) as u64
     }
 
     /// What the frame has of everything.
@@ -100,6 +106,7 @@ impl Schedule {
     }
 
     /// Ray slots of the frame.
+    #[inline]
     pub fn ray_slots(&self) -> u64 {
         self.shape.slots as u64 * self.shape.planes as u64
     }
@@ -182,7 +189,7 @@ impl Schedule {
     /// Cycles in which they take so many voxels of a row.
     #[inline]
     pub fn piece_cycles(&self, voxels: u32) -> u64 {
-        cycles(voxels as usize, self.shape.lanes)
+        Schedule::cycles(voxels as usize, self.shape.lanes)
     }
 
     /// Words of a ray that is filled up to whole chunks of lanes.
@@ -196,10 +203,4 @@ impl Schedule {
     pub fn ray_cycles(&self) -> u64 {
         self.ray_cycles
     }
-}
-
-/// Cycles in which `lanes` lanes take so many words: ⌈words / lanes⌉.
-#[inline]
-fn cycles(words: usize, lanes: usize) -> u64 {
-    words.div_ceil(lanes) as u64
 }
