@@ -42,6 +42,7 @@ type Plane = Vec<i32>;
 #[derive(Clone, Debug)]
 pub struct Shader {
     arithmetic: AbcLanes,
+    schedule: Schedule,
     /// Words of a slot's row in a plane: a block more than the samples have.
     row: usize,
     /// The first planes, where they are needed again, and the ring behind them.
@@ -115,11 +116,10 @@ struct Parallel {
 }
 
 impl Parallel {
-    fn new(setup: &FrameSetup) -> Option<Parallel> {
+    fn new(setup: &FrameSetup, slots: usize) -> Option<Parallel> {
         let geometry = &setup.geometry;
         let bounds = SampleBounds::new(geometry)?;
         let words = geometry.size[2].div_ceil(BLOCK);
-        let [slots, _] = geometry.slot_counts();
         let mut along_u = vec![[0; BESIDE]; slots * words];
         let mut rays = Vec::new();
         for (slot, along_u) in along_u.chunks_mut(words).enumerate() {
@@ -203,10 +203,11 @@ impl Shader {
             borders: rows_kept(frame_planes),
             firsts: rows_kept(if closes[0] { frame_planes } else { 0 }),
         });
-        let parallel = Parallel::new(setup);
+        let parallel = Parallel::new(setup, slots);
         let rows = if parallel.is_none() { 27 } else { 0 };
         Shader {
             arithmetic: AbcLanes::new(setup, skip),
+            schedule: *schedule,
             row,
             planes: vec![empty; kept + ring],
             kept,
@@ -306,7 +307,16 @@ impl Shader {
     /// A slot of a parallel frame, whose neighbours are those of the same slots and planes at every depth.
     fn shade_parallel(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut ShadedSamples) {
         let Shader {
-            arithmetic, planes: buffers, row, kept, overlap, overflows, parallel: Some(parallel), ends, ..
+            arithmetic,
+            schedule,
+            planes: buffers,
+            row,
+            kept,
+            overlap,
+            overflows,
+            parallel: Some(parallel),
+            ends,
+            ..
         } = self
         else {
             return;
@@ -315,7 +325,7 @@ impl Shader {
         let depths = geometry.size[2];
         parallel.aim(geometry, plane, slot);
         let border = setup.gradient.map_or(0, |registers| registers.border);
-        let [slots, planes] = geometry.slot_counts();
+        let FrameShape { slots, planes, .. } = *schedule.shape();
         let counted = overlap.as_ref().map_or(plane, |overlap| overlap.order.plane_of_shaded(plane, slot));
         if parallel.around != Some(counted) {
             // Beyond the last plane comes the first where they are shared, and else nothing that is in the volume.
@@ -435,6 +445,7 @@ impl Archived for Shader {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
         let Shader {
             arithmetic: _,
+            schedule: _,
             row: _,
             planes,
             kept: _,

@@ -4,7 +4,7 @@ use crate::lanes::TrilinLanes;
 use crate::unit::Interpolate;
 use cube3_channel::{Archive, ArchiveError, Archived};
 use cube3_dsb::{RayPair, RayVoxels};
-use cube3_frame::{BESIDE, FrameSetup, FrameShape, Geometry, Perspective, SampleBounds, Schedule, Sections};
+use cube3_frame::{BESIDE, FrameSetup, FrameShape, Geometry, Perspective, SampleBounds, Schedule};
 use cube3_machine::Reuse;
 use cube3_word::{BLOCK, Block};
 use serde::{Deserialize, Serialize};
@@ -104,7 +104,6 @@ pub struct Interpolator {
 /// The overlap buffers: of every plane the pairs of rays that other sections need. The hardware keeps of each plane one ray.
 #[derive(Clone, Debug)]
 struct Overlap {
-    sections: Sections,
     /// The last of the section before.
     borders: Vec<[Held; 2]>,
     /// The first of the plane; none where slots are not shared.
@@ -125,10 +124,9 @@ struct Bounds {
 }
 
 impl Bounds {
-    fn new(geometry: &Geometry) -> Option<Bounds> {
+    fn new(geometry: &Geometry, slots: usize) -> Option<Bounds> {
         let bounds = SampleBounds::new(geometry)?;
         let words = geometry.size[2].div_ceil(BLOCK);
-        let [slots, _] = geometry.slot_counts();
         let mut new = Bounds {
             bounds,
             along_u: vec![0; slots * words],
@@ -185,12 +183,8 @@ impl Interpolator {
         let held = || [Held::new(rays, row), Held::new(rays, row)];
         let empty = || vec![0; row];
         let each = |planes| vec![[Held::new(1, row), Held::new(1, row)]; planes];
-        let sections = *schedule.sections();
-        let overlap = (!sections.is_whole()).then(|| Overlap {
-            sections,
-            borders: each(planes),
-            firsts: each(if closes { planes } else { 0 }),
-        });
+        let overlap = (!schedule.sections().is_whole())
+            .then(|| Overlap { borders: each(planes), firsts: each(if closes { planes } else { 0 }) });
         let mut weights = [vec![0; row], vec![0; row]];
         if geometry.perspective.is_none() {
             for (row, template) in weights.iter_mut().zip([&geometry.u, &geometry.v]) {
@@ -210,7 +204,7 @@ impl Interpolator {
             sides: vec![empty(); if keeps_planes { slots } else { 0 }],
             lerps: 0,
             weights,
-            bounds: Bounds::new(geometry),
+            bounds: Bounds::new(geometry, slots),
             rows: Rows { words: vec![0; row + BLOCK], edges: [empty(), empty()], lerped: [empty(), empty()] },
         }
     }
@@ -276,7 +270,7 @@ impl Interpolate for Interpolator {
         std::mem::swap(&mut self.before, &mut self.newest);
         let (plane, slot) = (pair.plane as usize, pair.slot as usize);
         if let Some(overlap) = &self.overlap
-            && overlap.sections.continues(slot)
+            && self.schedule.sections().continues(slot)
         {
             copy_pair(&mut self.before, &overlap.borders[plane]);
         }
@@ -305,7 +299,7 @@ impl Interpolate for Interpolator {
             copy_pair(&mut self.first, &self.newest);
         }
         if let Some(overlap) = &mut self.overlap {
-            if overlap.sections.breaks_off(slot) {
+            if self.schedule.sections().breaks_off(slot) {
                 copy_pair(&mut overlap.borders[plane], &self.newest);
             }
             if slot == 0
@@ -406,7 +400,7 @@ impl Archived for Interpolator {
         archive.item(first)?;
         archive.item(before)?;
         archive.item(newest)?;
-        if let Some(Overlap { sections: _, borders, firsts }) = overlap {
+        if let Some(Overlap { borders, firsts }) = overlap {
             archive.list(borders)?;
             archive.list(firsts)?;
         }
