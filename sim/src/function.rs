@@ -9,11 +9,13 @@ use crate::machine::Overflows;
 use cube3_abc::ends::PlaneEnds;
 use cube3_abc::lanes::{AbcLanes, ShadedRow};
 use cube3_cone::lanes::{Accumulator, ConeLanes};
-use cube3_frame::{Axes, BasePlane, FrameSetup, HalfSpace};
+use cube3_frame::{Axes, Bands, BasePlane, FrameSetup, HalfSpace, Schedule};
 use cube3_trilin::lanes::TrilinLanes;
 use cube3_word::vectorised;
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::ops::Range;
+use std::slice::ChunksMut;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A volume of voxel words in canonical order: u fastest, then v, then w.
@@ -132,26 +134,25 @@ fn render_in<T: Accumulator>(
 ) -> FunctionRun {
     let geometry = &setup.geometry;
     let mut base = BasePlane::empty(geometry, setup.words.accumulator_bits);
-    let [width, height] = geometry.base_plane_size();
-    let pieces = 4 * rayon::current_num_threads();
-    let band = height.div_ceil(pieces).clamp(8, 64);
-    let first = geometry.first_ray().v;
+    let width = base.width;
+    let schedule = Schedule::of(geometry, setup.cone.leaves, None);
+    let bands = schedule.bands(geometry, 4 * rayon::current_num_threads());
     let done = AtomicU64::new(0);
     // One set of tables for all bands.
     let abc = AbcLanes::new(setup, skip);
     let overflows = base
         .pixels
-        .par_chunks_mut(width * band)
+        .par_chunks_mut(width * bands.height())
         .enumerate()
-        .map(|(i, rows)| {
-            let start = first + (i * band) as i64;
-            let count = rows.len() / width;
+        .map(|(number, pixels)| {
+            let (rows, pixels) = (bands.band(number), pixels.chunks_mut(width));
+            let count = pixels.len() as u64;
             let overflows = match &geometry.perspective {
-                None => Worker::<T>::new(setup, volume, abc.clone()).band(start, rows, width),
-                Some(pass) => PassWorker::<T>::new(setup, pass, volume, abc.clone()).band(start, rows, width),
+                None => Worker::<T>::new(setup, &bands, volume, abc.clone()).band(rows, pixels),
+                Some(pass) => PassWorker::<T>::new(setup, pass, &bands, volume, abc.clone()).band(rows, pixels),
             };
-            let done = done.fetch_add(count as u64, Ordering::Relaxed) + count as u64;
-            progress(done, height as u64);
+            let done = done.fetch_add(count, Ordering::Relaxed) + count;
+            progress(done, bands.rows() as u64);
             overflows
         })
         .reduce(Overflows::default, Overflows::plus);
@@ -184,6 +185,7 @@ impl Plane {
 /// The units' lanes and the planes between them, for one band.
 struct Worker<'a, T> {
     setup: &'a FrameSetup,
+    bands: &'a Bands,
     volume: &'a CanonicalVolume<'a>,
     trilin: TrilinLanes,
     abc: AbcLanes,
@@ -200,12 +202,13 @@ struct Worker<'a, T> {
 }
 
 impl<'a, T: Accumulator> Worker<'a, T> {
-    fn new(setup: &'a FrameSetup, volume: &'a CanonicalVolume<'a>, abc: AbcLanes) -> Worker<'a, T> {
+    fn new(setup: &'a FrameSetup, bands: &'a Bands, volume: &'a CanonicalVolume<'a>, abc: AbcLanes) -> Worker<'a, T> {
         let [n, _, depths] = setup.geometry.size;
         let border = setup.gradient.map_or(0, |registers| registers.border);
         let plane = || Plane::new(n + 2 * MARGIN, depths);
         Worker {
             setup,
+            bands,
             volume,
             trilin: TrilinLanes::new(&setup.words),
             abc,
@@ -219,17 +222,16 @@ impl<'a, T: Accumulator> Worker<'a, T> {
         }
     }
 
-    /// Renders planes from `first` on into their rows of pixels.
-    fn band(&mut self, first: i64, pixels: &mut [[u32; 4]], width: usize) -> Overflows {
+    /// Renders planes `rows` into their rows of pixels.
+    fn band(&mut self, rows: Range<i64>, pixels: ChunksMut<'_, [u32; 4]>) -> Overflows {
         let reach = i64::from(self.setup.gradient.is_some());
         let mut overflows = Overflows::default();
-        self.sides(first - reach);
-        for v in first - reach..first + reach {
+        self.sides(rows.start - reach);
+        for v in rows.start - reach..rows.start + reach {
             self.sides(v + 1);
             self.samples(v);
         }
-        for (i, row) in pixels.chunks_mut(width).enumerate() {
-            let v = first + i as i64;
+        for (v, row) in rows.zip(pixels) {
             self.sides(v + reach + 1);
             self.samples(v + reach);
             overflows.shading += self.shade(v);
@@ -244,11 +246,8 @@ impl<'a, T: Accumulator> Worker<'a, T> {
         let geometry = &self.setup.geometry;
         let offset = geometry.offset;
         let plane = &mut self.sides[v.rem_euclid(2) as usize];
-        for k in 0..geometry.size[2] {
+        for k in self.bands.sampled() {
             let far = if offset == 0 { k } else { k + 1 };
-            if far >= geometry.size[2] {
-                continue;
-            }
             let (Some(front), Some(back)) = (geometry.row_at(v, k), geometry.row_at(v, far)) else {
                 continue;
             };
@@ -269,7 +268,7 @@ impl<'a, T: Accumulator> Worker<'a, T> {
         let [even, odd] = &self.sides;
         let (near, far) = if v.rem_euclid(2) == 0 { (even, odd) } else { (odd, even) };
         let plane = &mut self.samples[v.rem_euclid(3) as usize];
-        for k in 0..geometry.size[2] {
+        for k in self.bands.depths() {
             let valid = geometry.valid_columns(v, k);
             let count = (valid.end - valid.start) as usize;
             let row = plane.row_mut(k);
@@ -283,23 +282,24 @@ impl<'a, T: Accumulator> Worker<'a, T> {
     fn shade(&mut self, v: i64) -> u64 {
         let setup = self.setup;
         let geometry = &setup.geometry;
-        let depths = geometry.size[2];
+        let (depths, sampled) = (self.bands.depths(), self.bands.sampled_in(geometry, v));
         let has_gradient = setup.gradient.is_some();
         let mut overflows = 0;
         let first = geometry.first_ray().u;
         self.ends.aim(v, first..geometry.size[0] as i64, setup);
-        for k in 0..depths {
+        self.cone.pass(sampled.start);
+        for k in sampled.clone() {
             let valid = geometry.valid_columns(v, k);
             let (from, to) = inside(&setup.clips, v, k, valid.start, valid.end);
             if from >= to {
-                self.cone.push(None::<(i64, &ShadedRow, fn(usize) -> i32)>);
+                self.cone.pass(1);
                 continue;
             }
             let n = (to - from) as usize;
             let (samples, beyond) = (&self.samples, self.beyond.as_slice());
             // Rows of the neighbourhood, from the neighbour on the left of the first lane to that on the right of the last.
             let row = |w: usize, dv: usize| -> &[i32] {
-                let Some(depth) = (k + w).checked_sub(1).filter(|&depth| depth < depths) else {
+                let Some(depth) = (k + w).checked_sub(1).filter(|depth| depths.contains(depth)) else {
                     return &beyond[..n + 2];
                 };
                 if !has_gradient && (w, dv) != (1, 1) {
@@ -323,6 +323,7 @@ impl<'a, T: Accumulator> Worker<'a, T> {
             );
             overflows += self.shaded.overflows;
         }
+        self.cone.pass(depths.end - sampled.end);
         overflows
     }
 }

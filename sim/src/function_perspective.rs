@@ -8,15 +8,17 @@ use crate::machine::Overflows;
 use cube3_abc::ends::PlaneEnds;
 use cube3_abc::lanes::{AbcLanes, ShadedRow};
 use cube3_cone::lanes::{Accumulator, ConeLanes};
-use cube3_frame::{FrameSetup, Perspective};
+use cube3_frame::{Bands, FrameSetup, Perspective};
 use cube3_trilin::lanes::TrilinLanes;
 use cube3_word::vectorised;
 use std::ops::Range;
+use std::slice::ChunksMut;
 
 /// The units' lanes and the planes between them, for one band of a pass.
 pub(crate) struct PassWorker<'a, T> {
     setup: &'a FrameSetup,
     pass: &'a Perspective,
+    bands: &'a Bands,
     volume: &'a CanonicalVolume<'a>,
     trilin: TrilinLanes,
     abc: AbcLanes,
@@ -39,6 +41,7 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
     pub fn new(
         setup: &'a FrameSetup,
         pass: &'a Perspective,
+        bands: &'a Bands,
         volume: &'a CanonicalVolume<'a>,
         abc: AbcLanes,
     ) -> PassWorker<'a, T> {
@@ -50,6 +53,7 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
         PassWorker {
             setup,
             pass,
+            bands,
             volume,
             trilin: TrilinLanes::new(&setup.words),
             abc,
@@ -64,18 +68,17 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
         }
     }
 
-    /// Renders planes from `first` on into their rows of pixels.
-    pub fn band(&mut self, first: i64, pixels: &mut [[u32; 4]], width: usize) -> Overflows {
+    /// Renders planes `rows` into their rows of pixels.
+    pub fn band(&mut self, rows: Range<i64>, pixels: ChunksMut<'_, [u32; 4]>) -> Overflows {
         let reach = if self.setup.gradient.is_some() { self.reach as i64 } else { 0 };
         let mut overflows = Overflows::default();
         if !self.pass.doubled {
-            self.plane_sides(first - reach);
+            self.plane_sides(rows.start - reach);
         }
-        for v in first - reach..first + reach {
+        for v in rows.start - reach..rows.start + reach {
             self.samples(v);
         }
-        for (i, row) in pixels.chunks_mut(width).enumerate() {
-            let v = first + i as i64;
+        for (v, row) in rows.zip(pixels) {
             self.samples(v + reach);
             overflows.shading += self.shade(v);
             let start = self.pass.u.first;
@@ -89,7 +92,7 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
         let Some(j) = self.pass.v.index(v) else {
             return;
         };
-        for k in self.pass.first_depth..self.setup.geometry.size[2] {
+        for k in self.bands.sampled() {
             self.sides(v.rem_euclid(2) as usize, k, |pass, k| pass.v.near(j, k));
         }
     }
@@ -98,9 +101,6 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
     fn sides(&mut self, into: usize, k: usize, row_at: impl Fn(&Perspective, usize) -> i32) {
         let geometry = &self.setup.geometry;
         let far = if geometry.offset == 0 { k } else { k + 1 };
-        if far >= geometry.size[2] {
-            return;
-        }
         let row = |k: usize| usize::try_from(row_at(self.pass, k)).ok().filter(|&row| row < geometry.size[1]);
         let (Some(front), Some(back)) = (row(k), row(far)) else {
             return;
@@ -134,7 +134,7 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
         let border = self.beyond[0];
         if self.pass.doubled {
             if let Some(j) = self.pass.v.index(v) {
-                for k in self.pass.first_depth..geometry.size[2] {
+                for k in self.bands.sampled() {
                     self.sides(0, k, |pass, k| pass.v.near(j, k));
                     self.sides(1, k, |pass, k| pass.v.right(j, k));
                 }
@@ -147,7 +147,7 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
         let planes = self.samples.len() as i64;
         let margin = self.reach;
         let plane = &mut self.samples[v.rem_euclid(planes) as usize];
-        for k in 0..geometry.size[2] {
+        for k in self.bands.depths() {
             let row = plane.row_mut(k);
             let rays = geometry.valid_columns(v, k);
             if rays.is_empty() {
@@ -167,17 +167,18 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
     fn shade(&mut self, v: i64) -> u64 {
         let setup = self.setup;
         let geometry = &setup.geometry;
-        let depths = geometry.size[2];
+        let (depths, sampled) = (self.bands.depths(), self.bands.sampled_in(geometry, v));
         let first = self.pass.u.first;
         let has_gradient = setup.gradient.is_some();
         let mut overflows = 0;
         let rays = first..first + self.pass.u.count() as i64;
         self.abc.aim(v, rays.clone());
         self.ends.aim(v, rays, setup);
-        for k in 0..depths {
+        self.cone.pass(sampled.start);
+        for k in sampled.clone() {
             let (from, to) = self.inside(v, k);
             if from >= to {
-                self.cone.push(None::<(i64, &ShadedRow, fn(usize) -> i32)>);
+                self.cone.pass(1);
                 continue;
             }
             let n = (to - from) as usize;
@@ -186,7 +187,7 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
             let wide = n + 2 * apart as usize;
             // Rows of the neighbourhood, from the neighbour on the left of the first lane to that on the right of the last.
             let row = |w: usize, dv: usize| -> &[i32] {
-                let Some(depth) = (k + w).checked_sub(1).filter(|&depth| depth < depths) else {
+                let Some(depth) = (k + w).checked_sub(1).filter(|depth| depths.contains(depth)) else {
                     return &beyond[..wide];
                 };
                 if !has_gradient && (w, dv) != (1, 1) {
@@ -209,6 +210,7 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
             );
             overflows += self.shaded.overflows;
         }
+        self.cone.pass(depths.end - sampled.end);
         overflows
     }
 

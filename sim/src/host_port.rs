@@ -7,7 +7,7 @@
 
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, ClockDomain, Reason, Transfer};
 use cube3_cone::{PixelCounts, PixelGroup, Pixels};
-use cube3_frame::{BasePlane, FrameSetup};
+use cube3_frame::{BasePlane, FrameSetup, Schedule};
 use cube3_machine::MachineSpec;
 use serde::{Deserialize, Serialize};
 
@@ -67,8 +67,7 @@ pub struct HostPort<C> {
 #[derive(Clone, Debug)]
 struct HostFrame<C> {
     collector: C,
-    /// Slots of the frame.
-    slots: u64,
+    schedule: Schedule,
     /// Pixels of each slot.
     pixels: PixelCounts,
     /// Bytes of a pixel.
@@ -106,16 +105,16 @@ impl<C: Collect> HostPort<C> {
     /// The port's name.
     pub const NAME: &'static str = "host";
 
-    /// A port at which nothing has arrived: for each frame, its registers and what takes its pixels.
-    pub fn new<'a>(machine: &MachineSpec, frames: impl IntoIterator<Item = (&'a FrameSetup, C)>) -> HostPort<C> {
-        let frame = |(setup, collector): (&FrameSetup, C)| {
-            let [slots, planes] = setup.geometry.slot_counts();
-            HostFrame {
-                collector,
-                slots: slots as u64 * planes as u64,
-                pixels: PixelCounts::new(&setup.geometry),
-                pixel_bytes: COMPONENTS * u64::from(setup.words.accumulator_bits.div_ceil(8)),
-            }
+    /// A port at which nothing has arrived: for each frame, its registers, its schedule and what takes its pixels.
+    pub fn new<'a>(
+        machine: &MachineSpec,
+        frames: impl IntoIterator<Item = (&'a FrameSetup, Schedule, C)>,
+    ) -> HostPort<C> {
+        let frame = |(setup, schedule, collector): (&FrameSetup, Schedule, C)| HostFrame {
+            collector,
+            schedule,
+            pixels: PixelCounts::new(&setup.geometry, schedule),
+            pixel_bytes: COMPONENTS * u64::from(setup.words.accumulator_bits.div_ceil(8)),
         };
         let link = machine.host_link.bytes_per_cycle.map(|rate| Transfer::new(ClockDomain::from_rate(rate)));
         HostPort {
@@ -156,7 +155,7 @@ impl<C: Collect> HostPort<C> {
         pixels.pop_slot();
         self.state.arrived += 1;
         self.state.total += 1;
-        if self.state.arrived == frame.slots {
+        if self.state.arrived == frame.schedule.ray_slots() {
             self.state.arrived = 0;
             self.state.frame += 1;
         }
@@ -210,6 +209,6 @@ impl<C: Archived> Archived for HostPort<C> {
         archive.item(account)?;
         frames
             .iter_mut()
-            .try_for_each(|HostFrame { collector, slots: _, pixels: _, pixel_bytes: _ }| collector.archive(archive))
+            .try_for_each(|HostFrame { collector, schedule: _, pixels: _, pixel_bytes: _ }| collector.archive(archive))
     }
 }

@@ -13,7 +13,7 @@ use cube3_cfb::Beam;
 use cube3_channel::{Archive, ArchiveError, Archived, Channel};
 use cube3_cone::ConeSpec;
 use cube3_dsb::{BoardSpec, LinkReading, Links, RayPair};
-use cube3_frame::FrameSetup;
+use cube3_frame::{FrameSetup, Schedule};
 use cube3_machine::{ChannelSize, Channels, MachineSpec};
 use cube3_trilin::SampleRay;
 use serde::{Deserialize, Serialize};
@@ -30,21 +30,19 @@ pub struct RayWords {
 }
 
 impl RayWords {
-    /// The words of the rays of a frame.
-    pub fn new(machine: &MachineSpec, setup: &FrameSetup) -> RayWords {
+    /// The words of the rays of a frame, which has this schedule.
+    pub fn new(machine: &MachineSpec, setup: &FrameSetup, schedule: &Schedule) -> RayWords {
         if machine.boards.count == 1 {
             return RayWords::default();
         }
-        let [slots, planes] = setup.geometry.slot_counts();
-        let links = RayLinks::new(machine, setup);
+        let links = RayLinks::new(machine, setup, *schedule);
         let sum = |words: &[[u64; 2]]| words.iter().flatten().sum::<u64>();
         let mut nodes = vec![[0; 2]; machine.boards.count];
-        let cone = (0..slots).map(|slot| {
+        let cone = (0..schedule.shape().slots).map(|slot| {
             links.cone.link_words(slot % machine.lanes, &mut nodes);
             sum(&nodes)
         });
-        let planes = planes as u64;
-        let rays = slots as u64 * planes;
+        let (planes, rays) = (schedule.shape().planes as u64, schedule.ray_slots());
         RayWords { trilin: rays * sum(&links.trilin), abc: rays * sum(&links.abc), cone: planes * cone.sum::<u64>() }
     }
 
@@ -57,8 +55,7 @@ impl RayWords {
 /// Words of a ray of a frame over each link, forwards and backwards.
 #[derive(Clone, Debug)]
 struct RayLinks {
-    /// Rays of the frame.
-    rays: u64,
+    schedule: Schedule,
     trilin: Vec<[u64; 2]>,
     abc: Vec<[u64; 2]>,
     /// The cone's depend on the lane at which a ray begins.
@@ -66,20 +63,19 @@ struct RayLinks {
 }
 
 impl RayLinks {
-    fn new(machine: &MachineSpec, setup: &FrameSetup) -> RayLinks {
+    fn new(machine: &MachineSpec, setup: &FrameSetup, schedule: Schedule) -> RayLinks {
         let boards = machine.boards.count;
-        let chunks = setup.geometry.size[2].div_ceil(machine.lanes) as u64;
+        let chunks = schedule.ray_cycles();
         // The voxel of the next depth comes back from the next lane. The edge of the ray before comes on to the next lane; a cell of its
         // own has both columns instead. Of two planes or rows.
-        let trilin = if setup.geometry.doubled() { [0, 4 * chunks] } else { [2 * chunks; 2] };
+        let trilin = if schedule.shape().doubled { [0, 4 * chunks] } else { [2 * chunks; 2] };
         // A sample crosses a link once, for all lanes that read it.
         let abc = frame_reach(setup) as u64 * chunks;
-        let rays = setup.geometry.slot_counts().iter().map(|&count| count as u64).product();
         RayLinks {
-            rays,
+            schedule,
             trilin: vec![trilin; boards],
             abc: vec![[abc; 2]; boards],
-            cone: ConeSpec::new(machine, setup),
+            cone: ConeSpec::new(machine, &schedule),
         }
     }
 }
@@ -130,7 +126,7 @@ impl Next {
     #[inline]
     fn advance(&mut self, frames: &[RayLinks]) {
         self.sent += 1;
-        if self.sent == frames[self.frame].rays && self.frame + 1 < frames.len() {
+        if self.sent == frames[self.frame].schedule.ray_slots() && self.frame + 1 < frames.len() {
             *self = Next { frame: self.frame + 1, sent: 0 };
         }
     }
@@ -155,9 +151,13 @@ pub(crate) struct Traffic {
 
 impl Traffic {
     /// Empty links for some frames; none on a machine of one board.
-    pub fn new(machine: &MachineSpec, frames: &[FrameSetup]) -> Option<Traffic> {
+    pub fn new<'a>(
+        machine: &MachineSpec,
+        frames: impl IntoIterator<Item = (&'a FrameSetup, Schedule)>,
+    ) -> Option<Traffic> {
         let links = Links::new(machine)?;
-        let frames: Vec<RayLinks> = frames.iter().map(|setup| RayLinks::new(machine, setup)).collect();
+        let ray_links = |(setup, schedule)| RayLinks::new(machine, setup, schedule);
+        let frames: Vec<RayLinks> = frames.into_iter().map(ray_links).collect();
         let mut nodes = vec![[0; 2]; machine.boards.count];
         let mut nodes_cross = nodes.clone();
         // All rays begin somewhere on the circle, and all cones of a machine are alike but for the chunks: the links are those of any frame.

@@ -19,9 +19,9 @@ use cube3_channel::{
 use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelGroup, Pixels, Reduce, Reducer};
 use cube3_dsb::bus::{Align, BusCounters, BusUnit, NoBus};
 use cube3_dsb::{DsbSpec, DsbUnit, LinkReading, NoPlanes, PlaneStore, RayPair, Rotator, Store};
-use cube3_frame::{BasePlane, FrameSetup, Schedule, Sections};
+use cube3_frame::{BasePlane, FrameSetup, Schedule};
 use cube3_machine::{AcquisitionMode, ChannelSize, MachineSpec};
-use cube3_trilin::{Interpolate, Interpolator, NoSamples, RaySamples, SampleRay, TrilinSpec, TrilinUnit};
+use cube3_trilin::{Interpolate, Interpolator, NoSamples, RaySamples, SampleRay, TrilinUnit};
 
 /// Units of a machine, a unit with two ports counted twice.
 pub const UNITS: usize = 8;
@@ -45,6 +45,7 @@ pub struct Joint {
 /// A machine with the registers of the frames that it is to render, one after another.
 pub struct Machine<F: Fidelity> {
     frames: Vec<FrameSetup>,
+    schedules: Vec<Schedule>,
     /// Ray slots of all frames.
     slots: u64,
     overlap: bool,
@@ -169,23 +170,24 @@ impl Standing {
     }
 }
 
-/// The identity of a channel's token, of these frames.
+/// The identity of a channel's token, of frames of these schedules.
 trait Identity {
-    fn token(&self, frames: &[FrameSetup]) -> Token;
+    fn token(&self, schedules: &[Schedule]) -> Token;
 }
 
 impl<D> Identity for Beam<D> {
-    fn token(&self, frames: &[FrameSetup]) -> Token {
+    fn token(&self, schedules: &[Schedule]) -> Token {
         // Pieces of a beam come with their sections.
-        let planes = frames.get(self.frame as usize).map_or(0, |setup| setup.geometry.slot_counts()[1]);
-        Token { frame: self.frame, plane: self.section * planes as u32 + self.plane, place: self.depth }
+        let number = |schedule: &Schedule| schedule.plane_number(self.section, self.plane) as u32;
+        let plane = schedules.get(self.frame as usize).map_or(self.plane, number);
+        Token { frame: self.frame, plane, place: self.depth }
     }
 }
 
 macro_rules! ray_identity {
     ($($token:ident),*) => {
         $(impl<D> Identity for $token<D> {
-            fn token(&self, _: &[FrameSetup]) -> Token {
+            fn token(&self, _: &[Schedule]) -> Token {
                 Token { frame: self.frame, plane: self.plane, place: self.slot }
             }
         })*
@@ -194,17 +196,17 @@ macro_rules! ray_identity {
 
 ray_identity!(RayPair, SampleRay, ShadedRay, PixelGroup);
 
-/// What a function says of each channel and the frames, in the order of [`Machine::JOINTS`]. The channels are of six types.
+/// What a function says of each channel and the schedules, in the order of [`Machine::JOINTS`]. The channels are of six types.
 macro_rules! of_channels {
     ($machine:expr, $of:ident) => {{
-        let Machine { frames, beams, aligned, rays, samples, shaded, pixels, .. } = $machine;
+        let Machine { schedules, beams, aligned, rays, samples, shaded, pixels, .. } = $machine;
         [
-            $of(beams, frames),
-            $of(aligned, frames),
-            $of(rays, frames),
-            $of(samples, frames),
-            $of(shaded, frames),
-            $of(pixels, frames),
+            $of(beams, schedules),
+            $of(aligned, schedules),
+            $of(rays, schedules),
+            $of(samples, schedules),
+            $of(shaded, schedules),
+            $of(pixels, schedules),
         ]
     }};
 }
@@ -227,7 +229,8 @@ impl Machine<Timing> {
     /// # Errors
     /// A channel that cannot be built, a reorder buffer that is too small.
     pub fn timing(machine: &MachineSpec, frames: Vec<FrameSetup>) -> Result<Machine<Timing>, RunError> {
-        let parts = |_: &FrameSetup| Parts { dsb: NoPlanes, trilin: NoSamples, abc: NoShading, host: NoHost };
+        let parts =
+            |_: &FrameSetup, _: Schedule| Parts { dsb: NoPlanes, trilin: NoSamples, abc: NoShading, host: NoHost };
         Machine::assemble(machine, frames, NoVoxels, NoBus, NoPixels, parts)
     }
 }
@@ -246,13 +249,12 @@ impl Machine<Cycle> {
         let lanes = machine.lanes;
         let skew = Skew { coefficients: machine.cfb.skew, lanes };
         let memory = FrameBuffer::with_layout(skew, machine.cfb.layout, dims, voxels)?;
-        let parts = |setup: &FrameSetup| {
+        let parts = |setup: &FrameSetup, schedule: Schedule| {
             let geometry = &setup.geometry;
-            let sections = Sections::of(machine, geometry);
             Parts {
-                dsb: PlaneStore::new(geometry, lanes, machine.dsb.planes).in_sections(sections),
-                trilin: Interpolator::new(setup, lanes).in_sections(geometry, sections),
-                abc: Shader::new(setup, machine.abc.planes, true).in_sections(setup, sections),
+                dsb: PlaneStore::new(schedule, machine.dsb.planes),
+                trilin: Interpolator::new(setup, schedule),
+                abc: Shader::new(setup, &schedule, machine.abc.planes, true),
                 host: Collector { base: BasePlane::empty(geometry, setup.words.accumulator_bits) },
             }
         };
@@ -309,12 +311,6 @@ impl Overflows {
     }
 }
 
-/// Ray slots of a frame.
-fn slots_of(setup: &FrameSetup) -> u64 {
-    let [slots, planes] = setup.geometry.slot_counts();
-    slots as u64 * planes as u64
-}
-
 impl<F: Fidelity> Machine<F> {
     /// The units' names, in pipeline order.
     pub const UNITS: [&'static str; UNITS] = [
@@ -348,7 +344,7 @@ impl<F: Fidelity> Machine<F> {
         memory: F::Cfb,
         wires: F::Bus,
         nodes: F::Cone,
-        parts: impl Fn(&FrameSetup) -> Parts<F>,
+        parts: impl Fn(&FrameSetup, Schedule) -> Parts<F>,
     ) -> Result<Machine<F>, RunError> {
         let sizes = channels(machine, &frames);
         let [beams, aligned, rays, samples, shaded, pixels] = Self::JOINTS.map(|joint| joint.channel);
@@ -358,31 +354,31 @@ impl<F: Fidelity> Machine<F> {
         let mut host = Vec::new();
         let mut samples = channel(samples, sizes.samples)?;
         let mut shaded = channel(shaded, sizes.shaded)?;
-        for setup in &frames {
-            let parts = parts(setup);
+        let schedules: Vec<Schedule> = frames.iter().map(|setup| Schedule::new(machine, &setup.geometry)).collect();
+        let planned = || frames.iter().zip(schedules.iter().copied());
+        for (setup, schedule) in planned() {
+            let parts = parts(setup, schedule);
             if dsb.is_empty() {
                 samples.furnish(|| SampleRay { data: parts.trilin.blank(), ..SampleRay::default() });
                 shaded.furnish(|| ShadedRay { data: parts.abc.blank(), ..ShadedRay::default() });
             }
-            dsb.push((DsbSpec::new(machine, &setup.geometry), parts.dsb));
-            trilin.push((TrilinSpec::new(machine, &setup.geometry), parts.trilin));
-            abc.push((AbcSpec::new(machine, setup), parts.abc));
-            host.push((setup, parts.host));
+            dsb.push((DsbSpec::new(machine, schedule), parts.dsb));
+            trilin.push((schedule, parts.trilin));
+            abc.push((AbcSpec::new(machine, setup, &schedule), parts.abc));
+            host.push((setup, schedule, parts.host));
         }
-        let schedules: Vec<Schedule> = frames.iter().map(|setup| Schedule::new(machine, &setup.geometry)).collect();
-        let planned = || frames.iter().zip(&schedules);
-        let specs = planned().map(|(setup, schedule)| CfbSpec::new(machine, &setup.geometry, *schedule)).collect();
+        let specs = planned().map(|(setup, schedule)| CfbSpec::new(machine, &setup.geometry, schedule)).collect();
         let modules = Supply::new(machine, &frames)?;
         Ok(Machine {
             cfb: CfbUnit::new(specs, memory).with_modules(modules),
-            bus: BusUnit::new(machine, frames.iter().map(|setup| &setup.geometry), wires),
+            bus: BusUnit::new(machine, schedules.iter().copied(), wires),
             dsb: DsbUnit::new(dsb),
             trilin: TrilinUnit::new(trilin),
             abc: AbcUnit::new(abc),
-            cone: ConeUnit::new(frames.iter().map(|setup| ConeSpec::new(machine, setup)).collect(), nodes),
+            cone: ConeUnit::new(schedules.iter().map(|schedule| ConeSpec::new(machine, schedule)).collect(), nodes),
             host: HostPort::new(machine, host),
-            ray_words: frames.iter().map(|setup| RayWords::new(machine, setup)).collect(),
-            traffic: Traffic::new(machine, &frames),
+            ray_words: planned().map(|(setup, schedule)| RayWords::new(machine, setup, &schedule)).collect(),
+            traffic: Traffic::new(machine, planned()),
             beams: channel(beams, sizes.beams)?,
             aligned: channel(aligned, sizes.aligned)?,
             rays: channel(rays, sizes.rays)?,
@@ -392,9 +388,10 @@ impl<F: Fidelity> Machine<F> {
             cycle: 0,
             last_move: 0,
             frame_ends: Vec::with_capacity(frames.len()),
-            slots: frames.iter().map(slots_of).sum(),
+            slots: schedules.iter().map(Schedule::ray_slots).sum(),
             overlap: machine.frames.overlap,
             frames,
+            schedules,
         })
     }
 
@@ -445,16 +442,16 @@ impl<F: Fidelity> Machine<F> {
     #[inline]
     pub fn newest(&self) -> [(ChannelCounters, Option<(Token, u64)>); CHANNELS] {
         #[inline]
-        fn of<T: Identity>(channel: &Channel<T>, frames: &[FrameSetup]) -> (ChannelCounters, Option<(Token, u64)>) {
-            (channel.counters(), channel.newest().map(|token| (token.token(frames), channel.newest_late())))
+        fn of<T: Identity>(channel: &Channel<T>, schedules: &[Schedule]) -> (ChannelCounters, Option<(Token, u64)>) {
+            (channel.counters(), channel.newest().map(|token| (token.token(schedules), channel.newest_late())))
         }
         of_channels!(self, of)
     }
 
     /// The tokens in each channel, oldest first, each with the cycles until it can be popped.
     pub fn held(&self) -> [Vec<(Token, u64)>; CHANNELS] {
-        fn of<T: Identity>(channel: &Channel<T>, frames: &[FrameSetup]) -> Vec<(Token, u64)> {
-            channel.held().map(|(token, cycles)| (token.token(frames), cycles)).collect()
+        fn of<T: Identity>(channel: &Channel<T>, schedules: &[Schedule]) -> Vec<(Token, u64)> {
+            channel.held().map(|(token, cycles)| (token.token(schedules), cycles)).collect()
         }
         of_channels!(self, of)
     }
@@ -601,6 +598,7 @@ impl<F: Fidelity> Archived for Machine<F> {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
         let Machine {
             frames: _,
+            schedules: _,
             slots: _,
             overlap: _,
             ray_words: _,

@@ -1,13 +1,12 @@
 //! The traffic of a real run as vectors: what flowed through a unit of arithmetic or addressing while the machine rendered a frame.
 //!
 //! Lines are in the machine's order: sections and planes of ray slots, slots, depths; beams by section, plane and depth. From the ABC units on,
-//! the first plane and the first slot come last where slots are shared, as [`AbcSpec::order`] says. Values are those of the unit crates'
+//! the first plane and the first slot come last where slots are shared, as [`FrameSetup::shading_order`] says. Values are those of the unit crates'
 //! definitions on the frame's registers and voxels, which the cycle machine equals to the bit; channels are those of a timing run.
 
 use crate::fidelity::Timing;
 use crate::machine::{Machine, RunError};
 use crate::trace::{self, Recorder};
-use cube3_abc::AbcSpec;
 use cube3_abc::golden::{Light, Local, Neighbourhood, Stages};
 use cube3_cfb::golden::Skew;
 use cube3_cfb::{FrameBuffer, FrameBufferError, Piece, scan};
@@ -403,7 +402,7 @@ impl<'a> Frame<'a> {
     /// The slots, plane and number, of the ABC units and what follows them, whose rays wait for their neighbours, in order: the first comes last where the last slot is
     /// followed by the first.
     fn shaded_slots(&self) -> impl Iterator<Item = [usize; 2]> + use<> {
-        AbcSpec::new(self.run.machine, self.setup).order().map(|slot| slot.map(|i| i as usize))
+        self.setup.shading_order(&self.schedule()).shaded().map(|slot| slot.map(|i| i as usize))
     }
 
     fn schedule(&self) -> Schedule {

@@ -1,10 +1,10 @@
 //! What a machine is made of, counted from its configuration: a row for each part.
 
 use crate::machine::RunCounters;
-use crate::overlap::{Overlap, neighbour_slots, sample_slots, voxel_slots};
+use crate::overlap::Overlap;
 use cube3_cfb::memory::{edge_words, reorder_words};
 use cube3_cone::ConeSpec;
-use cube3_frame::{ConeRegisters, FrameSetup, GradientScale, HalfSpace, LinearFactor, Schedule, Sections, Shading};
+use cube3_frame::{ConeRegisters, FrameSetup, GradientScale, HalfSpace, LinearFactor, Schedule, Shading};
 use cube3_machine::operators::{self, UNIT_MUL};
 use cube3_machine::{
     ControllerKind, GradientMethod, Layout, MachineSpec, MemoryModel, OperatorCounts, RayEnds, RaySlots, Reuse,
@@ -141,14 +141,13 @@ pub fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSetup]) ->
     // The largest frame sets the size of each buffer; registers and first planes are there twice where frames overlap, and first planes
     // where a frame has sections, which overlap likewise.
     let twice = if machine.frames.overlap { 2 } else { 1 };
-    let firsts = |setup: &FrameSetup| if Sections::of(machine, &setup.geometry).is_whole() { twice } else { 2 };
+    let schedule = |setup: &FrameSetup| Schedule::new(machine, &setup.geometry);
     let most = |of: &dyn Fn(&FrameSetup) -> u64| frames.iter().map(of).max().unwrap_or(0);
-    let depths = |setup: &FrameSetup| setup.geometry.size[2] as u64;
-    let closes = |setup: &FrameSetup, axis: usize| u64::from(setup.geometry.closes()[axis]);
-    let ring = machine.dsb.planes as u64;
-    let copies = |setup: &FrameSetup| if setup.geometry.doubled() { 4 } else { 1 };
+    let overlap = machine.frames.overlap;
     let planes = most(&|setup| {
-        copies(setup) * (ring + firsts(setup) * closes(setup, 1)) * voxel_slots(machine, setup) * depths(setup)
+        let schedule = schedule(setup);
+        let firsts = if schedule.shape().closes[1] { schedule.first_voxels(overlap) } else { 0 };
+        schedule.voxel_planes(machine.dsb.planes) + firsts
     });
     kind("skewed buffers", format!("{planes} voxels of {voxel_bits} bits"), planes * voxel_bits);
     let sample_bits = u64::from(words.sample_bits());
@@ -158,21 +157,22 @@ pub fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSetup]) ->
     };
     let kept_planes = u64::from(matches!(machine.trilin.reuse, Reuse::Plane | Reuse::Both));
     let kept = most(&|setup| {
-        let first = 2 * closes(setup, 0);
-        (kept_rays + first + kept_planes * sample_slots(machine, setup)) * depths(setup)
+        let schedule = schedule(setup);
+        let first = 2 * u64::from(schedule.shape().closes[0]);
+        (kept_rays + first + kept_planes * schedule.sample_slots()) * schedule.shape().depths as u64
     });
     kind("lerps kept", format!("{kept} samples of {sample_bits} bits"), kept * sample_bits);
     let shaded = most(&|setup| {
-        let ring = if setup.gradient.is_some() {
-            setup.ring(machine.abc.planes) as u64 + firsts(setup) * 2 * closes(setup, 1)
-        } else {
-            0
-        };
-        ring * neighbour_slots(machine, setup) * depths(setup)
+        if setup.gradient.is_none() {
+            return 0;
+        }
+        let schedule = schedule(setup);
+        let firsts = if schedule.shape().closes[1] { schedule.first_samples(overlap) } else { 0 };
+        schedule.sample_planes(setup.ring(machine.abc.planes)) + firsts
     });
     kind("sample planes", format!("{shaded} samples of {sample_bits} bits"), shaded * sample_bits);
     if machine.cfb.layout == Layout::MiniBlocks {
-        let edges = most(&|setup| edge_words(&setup.geometry, &Schedule::new(machine, &setup.geometry)));
+        let edges = most(&|setup| edge_words(&setup.geometry, &schedule(setup)));
         kind(
             "overlap buffers of voxels",
             format!("beside the chip, {edges} voxels of {voxel_bits} bits"),
@@ -280,7 +280,7 @@ fn interfaces(machine: &MachineSpec, frames: &[FrameSetup], counters: &RunCounte
     let shaded = bytes(3 * words.colour_bits + words.opacity_bits);
     let sum = |of: &dyn Fn(&FrameSetup) -> f64| frames.iter().map(of).sum::<f64>();
     let beam = frames.first().map_or(0.0, |setup| setup.geometry.size[0] as f64);
-    let slots = |setup: &FrameSetup| setup.geometry.slot_counts().iter().map(|&n| n as f64).product::<f64>();
+    let slots = |setup: &FrameSetup| Schedule::new(machine, &setup.geometry).ray_slots() as f64;
     let depths = |setup: &FrameSetup| setup.geometry.size[2] as f64;
     // With sections, beams come in pieces: together all voxels.
     let all = |setup: &FrameSetup| setup.geometry.size.iter().map(|&n| n as f64).product::<f64>();

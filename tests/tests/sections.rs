@@ -4,10 +4,9 @@
 use cube3::function::{CanonicalVolume, render};
 use cube3::limits::frame_interval;
 use cube3::machine::{Machine, RunCounters};
-use cube3::overlap::{Overlap, neighbour_slots, sample_slots, voxel_slots};
+use cube3::overlap::Overlap;
 use cube3::resources::resources;
-use cube3_abc::AbcSpec;
-use cube3_frame::{FrameSetup, Sections};
+use cube3_frame::{FrameSetup, Schedule};
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::{Abc, MachineSpec, RaySlots, Rays, Reuse, Trilin};
 use cube3_scene::{Mode, Scene, View};
@@ -65,7 +64,8 @@ proptest! {
         let mode = if lit { Mode::Composite } else { Mode::Maximum };
         let setup = frame_setup(&Scene { view, mode, ..Scene::default() }, &machine, &volume, true).unwrap().setup;
         prop_assert_eq!(setup.gradient.is_some(), lit);
-        let sections = Sections::of(&machine, &setup.geometry);
+        let schedule = Schedule::new(&machine, &setup.geometry);
+        let sections = *schedule.sections();
         let [slots, planes] = setup.geometry.slot_counts();
         let ([closes, shared], depths) = (setup.geometry.closes(), setup.geometry.size[2] as u64);
         let (several, last) = (sections.count() > 1, slots - 1);
@@ -74,7 +74,7 @@ proptest! {
             right.into_iter().collect()
         };
         // Rays of voxels: slot j is finished by the next; one column a plane, the first plane's once more where planes are shared.
-        let given = sections.behind(1);
+        let given = schedule.finished();
         let (mut needed_of_others, mut widest) = (0, 0);
         for section in 0..sections.count() {
             let needed = given.slots(section).flat_map(|j| [vec![j], besides(j, closes)].concat());
@@ -88,14 +88,14 @@ proptest! {
         // Each is written and read once, that of the first plane read again.
         let of_column = 2 * planes as u64 + u64::from(shared);
         prop_assert_eq!(overlap.rays_moved, depths * needed_of_others * of_column);
-        prop_assert_eq!(voxel_slots(&machine, &setup), widest as u64);
-        prop_assert_eq!(sample_slots(&machine, &setup), (0..given.count()).map(|s| given.slots(s).len()).max().unwrap() as u64);
+        prop_assert_eq!(schedule.voxel_slots(), widest as u64);
+        prop_assert_eq!(schedule.sample_slots(), (0..given.count()).map(|s| given.slots(s).len()).max().unwrap() as u64);
         if !lit {
             prop_assert_eq!((overlap.samples, overlap.samples_moved), (0, 0));
             return Ok(());
         }
         // Rays of samples: slot j needs those beside it; what is shaded with a section is what its rays complete.
-        let order: Vec<[u64; 2]> = AbcSpec::new(&machine, &setup).order().filter(|[plane, _]| *plane == 0).collect();
+        let order: Vec<[u64; 2]> = setup.shading_order(&schedule).shaded().filter(|[plane, _]| *plane == 0).collect();
         let section_of = |j: usize| {
             let left = if j > 0 { j - 1 } else if closes { last } else { j };
             [vec![j, left], besides(j, closes)].concat().into_iter().map(|j| given.section(j)).max().unwrap()
@@ -114,7 +114,7 @@ proptest! {
             firsts += outside.iter().filter(|&&j| j + 2 < start).count();
             room = room.max(given.slots(section).len() + outside.len());
         }
-        prop_assert_eq!(neighbour_slots(&machine, &setup), room as u64);
+        prop_assert_eq!(schedule.neighbour_slots(), room as u64);
         // Sections of three slots and more keep two rays each for the next one; each is written once and read once.
         prop_assert_eq!(overlap.samples_moved, depths * planes as u64 * 2 * loaded as u64);
         prop_assert_eq!(overlap.samples, u64::from(several) * depths * planes as u64 * (2 + firsts as u64));

@@ -5,7 +5,9 @@ use crate::golden::Shaded;
 use crate::lanes::{AbcLanes, Around, HERE, Neighbour, Neighbours, ShadedBlock, ShadedRow, reads};
 use crate::unit::Shade;
 use cube3_channel::{Archive, ArchiveError, Archived};
-use cube3_frame::{BESIDE, DiscreteRay, FrameSetup, Geometry, RayStretches, SampleBounds, Sections};
+use cube3_frame::{
+    BESIDE, DiscreteRay, FrameSetup, FrameShape, Geometry, RayStretches, SampleBounds, Schedule, ShadingOrder,
+};
 use cube3_trilin::{RaySamples, SampleRay};
 use cube3_word::{BLOCK, Block};
 use serde::{Deserialize, Serialize};
@@ -40,6 +42,7 @@ type Plane = Vec<i32>;
 #[derive(Clone, Debug)]
 pub struct Shader {
     arithmetic: AbcLanes,
+    schedule: Schedule,
     /// Words of a slot's row in a plane: a block more than the samples have.
     row: usize,
     /// The first planes, where they are needed again, and the ring behind them.
@@ -58,20 +61,13 @@ pub struct Shader {
     ends: Vec<End>,
 }
 
-/// Rays of a plane that a section needs of those before it.
-const BORDER: usize = 2;
+/// Rows of a plane that are kept from one section to the next.
+const BORDER: usize = ShadingOrder::BORDER;
 
 /// The overlap buffers: rows of every plane that other sections need.
 #[derive(Clone, Debug)]
 struct Overlap {
-    /// Sections of the rays that come.
-    sections: Sections,
-    /// Planes of the frame.
-    planes: usize,
-    /// Whether rays wait for their neighbours.
-    buffered: bool,
-    /// Whether the last slot's neighbour is the first.
-    closes: bool,
+    order: ShadingOrder,
     /// Of each plane the rows of the last slots so far: slot j is in row j mod 2.
     borders: Vec<Plane>,
     /// Of each plane the rows of slots 0 and 1, where slots are shared.
@@ -79,28 +75,11 @@ struct Overlap {
 }
 
 impl Overlap {
-    /// A plane of the section that a slot comes with, counted over all sections.
-    fn plane_of_ray(&self, plane: usize, slot: usize) -> usize {
-        self.sections.section(slot) * self.planes + plane
-    }
-
-    /// A plane of the section in which a slot has all of its neighbours.
-    fn plane_of_shaded(&self, plane: usize, slot: usize, slots: usize) -> usize {
-        let last = match (self.buffered, self.closes) {
-            (false, _) => slot,
-            (true, true) if slot == 0 => slots - 1,
-            (true, _) => (slot + 1).min(slots - 1),
-        };
-        self.plane_of_ray(plane, last)
-    }
-
     /// The rows that the ring gets with the first ray of a section's plane: each slot with where its row is.
     fn rows_before<'a>(&'a self, plane: usize, slot: usize, row: usize) -> impl Iterator<Item = (usize, &'a [i32])> {
-        let section = self.sections.section(slot);
-        let starts = self.sections.slots(section).start == slot;
-        let borders = if starts { slot.saturating_sub(BORDER)..slot } else { 0..0 };
-        let last = starts && self.closes && section + 1 == self.sections.count();
-        let firsts = if last { 0..BORDER.min(borders.start) } else { 0..0 };
+        let section = self.order.sections().section(slot);
+        let starts = self.order.sections().slots(section).start == slot;
+        let [borders, firsts] = if starts { self.order.needed_before(section) } else { [0..0, 0..0] };
         let kept = move |planes: &'a [Plane], slot: usize| (slot, &planes[plane][slot % BORDER * row..][..row]);
         let borders = borders.map(move |slot| kept(&self.borders, slot));
         borders.chain(firsts.map(move |slot| kept(&self.firsts, slot)))
@@ -109,11 +88,10 @@ impl Overlap {
     /// Keeps the row of a slot for other sections.
     fn keep(&mut self, plane: usize, slot: usize, row: &[i32]) {
         let place = slot % BORDER * row.len()..(slot % BORDER + 1) * row.len();
-        let section = self.sections.section(slot);
-        if section + 1 < self.sections.count() && slot + BORDER >= self.sections.slots(section).end {
+        if self.order.kept(self.order.sections().section(slot)).contains(&slot) {
             self.borders[plane][place.clone()].copy_from_slice(row);
         }
-        if self.closes && slot < BORDER {
+        if !self.firsts.is_empty() && slot < BORDER {
             self.firsts[plane][place].copy_from_slice(row);
         }
     }
@@ -138,11 +116,10 @@ struct Parallel {
 }
 
 impl Parallel {
-    fn new(setup: &FrameSetup) -> Option<Parallel> {
+    fn new(setup: &FrameSetup, slots: usize) -> Option<Parallel> {
         let geometry = &setup.geometry;
         let bounds = SampleBounds::new(geometry)?;
         let words = geometry.size[2].div_ceil(BLOCK);
-        let [slots, _] = geometry.slot_counts();
         let mut along_u = vec![[0; BESIDE]; slots * words];
         let mut rays = Vec::new();
         for (slot, along_u) in along_u.chunks_mut(words).enumerate() {
@@ -211,47 +188,36 @@ fn in_ring(counted: usize, kept: usize, planes: usize) -> usize {
 }
 
 impl Shader {
-    /// Units for a frame on a machine of `planes` sample planes. With `skip`, transparent stretches are not shaded, which changes no bit.
-    pub fn new(setup: &FrameSetup, planes: usize, skip: bool) -> Shader {
+    /// Units for a frame, which has this schedule on a machine of `planes` sample planes. A plane of the ring has a row for every slot, though
+    /// the machine's has rows for those of one section. With `skip`, transparent stretches are not shaded, which changes no bit.
+    pub fn new(setup: &FrameSetup, schedule: &Schedule, planes: usize, skip: bool) -> Shader {
         let ring = setup.ring(planes);
-        let [slots, frame_planes] = setup.geometry.slot_counts();
+        let FrameShape { slots, planes: frame_planes, closes, .. } = *schedule.shape();
         let depths = setup.geometry.size[2].div_ceil(BLOCK) * BLOCK;
         let row = depths + BLOCK;
         let empty: Plane = vec![0; slots * row];
-        let kept = if setup.geometry.closes()[1] { frame_planes.min(2) } else { 0 };
-        let parallel = Parallel::new(setup);
+        let kept = if closes[1] { frame_planes.min(2) } else { 0 };
+        let rows_kept = |planes| vec![vec![0; BORDER * row]; planes];
+        let overlap = (!schedule.sections().is_whole()).then(|| Overlap {
+            order: setup.shading_order(schedule),
+            borders: rows_kept(frame_planes),
+            firsts: rows_kept(if closes[0] { frame_planes } else { 0 }),
+        });
+        let parallel = Parallel::new(setup, slots);
         let rows = if parallel.is_none() { 27 } else { 0 };
         Shader {
             arithmetic: AbcLanes::new(setup, skip),
+            schedule: *schedule,
             row,
             planes: vec![empty; kept + ring],
             kept,
-            overlap: None,
+            overlap,
             overflows: 0,
             parallel,
             perspective: Any { around: vec![vec![0; setup.geometry.size[2]]; rows], row: ShadedRow::default() },
             stretches: setup.ends.as_ref().map(|_| RayStretches::new(&setup.geometry)),
             ends: Vec::new(),
         }
-    }
-
-    /// The same for a frame that is taken in sections. A plane of the ring has a row for every slot, though the machine's has rows for those
-    /// of one section.
-    #[must_use]
-    pub fn in_sections(mut self, setup: &FrameSetup, sections: Sections) -> Shader {
-        let geometry = &setup.geometry;
-        let [_, planes] = geometry.slot_counts();
-        let closes = geometry.closes()[0];
-        let rows = |planes| vec![vec![0; BORDER * self.row]; planes];
-        self.overlap = (!sections.is_whole()).then(|| Overlap {
-            sections: sections.behind(1),
-            planes,
-            buffered: setup.gradient.is_some(),
-            closes,
-            borders: rows(planes),
-            firsts: rows(if closes { planes } else { 0 }),
-        });
-        self
     }
 
     /// Words saturated so far.
@@ -297,7 +263,7 @@ impl Shade for Shader {
     fn take(&mut self, _: &FrameSetup, ray: &mut SampleRay<RaySamples>) {
         let (plane, slot) = (ray.plane as usize, ray.slot as usize);
         let row = slot * self.row..(slot + 1) * self.row;
-        let counted = self.overlap.as_ref().map_or(plane, |overlap| overlap.plane_of_ray(plane, slot));
+        let counted = self.overlap.as_ref().map_or(plane, |overlap| overlap.order.plane_of_ray(plane, slot));
         let held = in_ring(counted, self.kept, self.planes.len());
         let place = &mut self.planes[held][row.clone()];
         for (from, block) in ray.data.0.iter().enumerate() {
@@ -341,7 +307,16 @@ impl Shader {
     /// A slot of a parallel frame, whose neighbours are those of the same slots and planes at every depth.
     fn shade_parallel(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut ShadedSamples) {
         let Shader {
-            arithmetic, planes: buffers, row, kept, overlap, overflows, parallel: Some(parallel), ends, ..
+            arithmetic,
+            schedule,
+            planes: buffers,
+            row,
+            kept,
+            overlap,
+            overflows,
+            parallel: Some(parallel),
+            ends,
+            ..
         } = self
         else {
             return;
@@ -350,8 +325,8 @@ impl Shader {
         let depths = geometry.size[2];
         parallel.aim(geometry, plane, slot);
         let border = setup.gradient.map_or(0, |registers| registers.border);
-        let [slots, planes] = geometry.slot_counts();
-        let counted = overlap.as_ref().map_or(plane, |overlap| overlap.plane_of_shaded(plane, slot, slots));
+        let FrameShape { slots, planes, .. } = *schedule.shape();
+        let counted = overlap.as_ref().map_or(plane, |overlap| overlap.order.plane_of_shaded(plane, slot));
         if parallel.around != Some(counted) {
             // Beyond the last plane comes the first where they are shared, and else nothing that is in the volume.
             let above = plane.checked_sub(1).unwrap_or(planes - 1);
@@ -470,6 +445,7 @@ impl Archived for Shader {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
         let Shader {
             arithmetic: _,
+            schedule: _,
             row: _,
             planes,
             kept: _,

@@ -12,7 +12,7 @@
 
 use crate::lanes::reads;
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, PortState, Wait};
-use cube3_frame::{FrameSetup, Sections};
+use cube3_frame::{FrameSetup, Schedule, ShadingOrder};
 use cube3_machine::{GradientMethod, MachineSpec};
 use cube3_trilin::SampleRay;
 use serde::{Deserialize, Serialize};
@@ -95,112 +95,21 @@ pub fn frame_reach(setup: &FrameSetup) -> usize {
 pub struct AbcSpec {
     /// Cycles of a ray: ⌈n_w / lanes⌉.
     pub ray_cycles: u64,
-    /// Ray slots of a plane.
-    pub slots: u64,
-    /// Planes of the frame.
-    pub planes: u64,
-    /// Whether the last slot's neighbour is the first, along u and along v.
-    pub closes: [bool; 2],
-    /// Whether rays wait for their neighbours at all.
-    pub buffered: bool,
-    /// How many rays and planes away neighbours are.
-    pub reach: u64,
+    /// The order of the rays that come and of those that are shaded, and what these wait for.
+    pub order: ShadingOrder,
     /// Planes of samples in the ring: above, current, below, and those that come in.
     pub ring: u64,
-    /// Sections of the rays that come: TRILIN gives a ray when the next has come.
-    pub sections: Sections,
 }
 
 impl AbcSpec {
-    /// The data sheet for a machine and the registers of a frame.
-    pub fn new(machine: &MachineSpec, setup: &FrameSetup) -> AbcSpec {
-        let [slots, planes] = setup.geometry.slot_counts();
+    /// The data sheet for a machine and the registers of a frame, which has this schedule there.
+    pub fn new(machine: &MachineSpec, setup: &FrameSetup, schedule: &Schedule) -> AbcSpec {
         AbcSpec {
-            ray_cycles: setup.geometry.size[2].div_ceil(machine.lanes) as u64,
-            slots: slots as u64,
-            planes: planes as u64,
-            closes: setup.geometry.closes(),
-            buffered: setup.gradient.is_some(),
-            reach: setup.most_reach() as u64,
+            ray_cycles: schedule.ray_cycles(),
+            order: setup.shading_order(schedule),
             ring: setup.ring(machine.abc.planes) as u64,
-            sections: Sections::of(machine, &setup.geometry).behind(1),
         }
     }
-
-    /// The slots that come with a section.
-    fn taken(&self, section: usize) -> Range<u64> {
-        let Range { start, end } = self.sections.slots(section);
-        start as u64..end as u64
-    }
-
-    /// The slots that are shaded in a section, counted in the order in which they are: those whose neighbours have all come.
-    fn given(&self, section: usize) -> Range<u64> {
-        let behind = if self.buffered { self.reach as usize + usize::from(self.closes[0]) } else { 0 };
-        let Range { start, end } = self.sections.behind(behind).slots(section);
-        start as u64..end as u64
-    }
-
-    /// The slots of a frame, plane and ray, in the order in which they are shaded. Where the last is followed by the first, the first
-    /// comes last.
-    pub fn order(&self) -> impl Iterator<Item = [u64; 2]> + use<> {
-        let spec = *self;
-        let planes = move |section| (0..spec.planes).map(move |plane| (plane, spec.given(section)));
-        let counted = (0..spec.sections.count()).flat_map(planes);
-        counted.flat_map(move |(plane, slots)| slots.map(move |slot| spec.turned([plane, slot])))
-    }
-
-    /// The same for the plane and slot that would be next if the first came first.
-    #[inline]
-    fn turned(&self, [plane, slot]: [u64; 2]) -> [u64; 2] {
-        let turn = |i: u64, n: u64, closes: bool| {
-            if !(closes && self.buffered) {
-                i
-            } else if i + 1 == n {
-                0
-            } else {
-                i + 1
-            }
-        };
-        [turn(plane, self.planes, self.closes[1]), turn(slot, self.slots, self.closes[0])]
-    }
-
-    /// The oldest plane of the ring that the slots of a plane, counted in the order in which they are shaded, and later ones need: the one
-    /// above it. Where the first plane comes last, that is the last.
-    #[inline]
-    fn oldest(&self, plane: u64) -> u64 {
-        let [current, _] = self.turned([plane, 0]);
-        if !self.buffered {
-            current
-        } else if self.closes[1] && plane + 1 >= self.planes {
-            self.planes - 1
-        } else {
-            current.saturating_sub(self.reach)
-        }
-    }
-
-    /// How many rays must have come before a slot can be shaded.
-    #[inline]
-    pub fn needed(&self, plane: u64, slot: u64) -> u64 {
-        let last = self.last([plane, slot]);
-        let of_section = self.taken(self.sections.section(last[1] as usize));
-        of_section.start * self.planes + in_section(&of_section, last) + 1
-    }
-
-    /// The last plane and ray that a slot needs.
-    #[inline]
-    fn last(&self, [plane, slot]: [u64; 2]) -> [u64; 2] {
-        if !self.buffered {
-            return [plane, slot];
-        }
-        let last = |i: u64, n: u64, closes: bool| if closes && i == 0 { n - 1 } else { (i + self.reach).min(n - 1) };
-        [last(plane, self.planes, self.closes[1]), last(slot, self.slots, self.closes[0])]
-    }
-}
-
-/// Rays of a section, which has these slots, before the one of a plane and slot.
-#[inline]
-fn in_section(slots: &Range<u64>, [plane, slot]: [u64; 2]) -> u64 {
-    plane * (slots.end - slots.start) + slot - slots.start
 }
 
 /// The ABC unit.
@@ -251,7 +160,7 @@ impl<A> AbcUnit<A> {
             _ if taking > giving + 1 => 0,
             (Some(giving), Some(taking)) => {
                 let spec = &self.frames[giving.frame as usize].0;
-                let behind = giving.planes + spec.oldest(next[0]) + spec.ring;
+                let behind = giving.planes + spec.order.oldest(next[0]) + spec.ring;
                 let room = behind.saturating_sub(taking.planes);
                 // The next frame's ring may be the smaller one: its neighbours may be nearer.
                 let other = taking.frame != giving.frame;
@@ -269,14 +178,14 @@ impl<A: Shade> AbcUnit<A> {
     pub fn new(parts: impl IntoIterator<Item = (AbcSpec, A)>) -> AbcUnit<A> {
         let frames: Vec<(AbcSpec, A)> = parts.into_iter().collect();
         let (mut passes, mut rays, mut planes) = (Vec::new(), 0, 0);
-        for (frame, (spec, _)) in (0..).zip(&frames) {
-            for section in 0..spec.sections.count() {
-                let taken = spec.taken(section);
+        for (frame, (AbcSpec { order, .. }, _)) in (0..).zip(&frames) {
+            for section in 0..order.sections().count() {
+                let taken = order.taken(section);
                 let width = taken.end - taken.start;
                 if width > 0 {
-                    passes.push(Pass { frame, taken, given: spec.given(section), rays, planes });
-                    rays += width * spec.planes;
-                    planes += spec.planes;
+                    passes.push(Pass { frame, taken, given: order.given(section), rays, planes });
+                    rays += width * order.planes();
+                    planes += order.planes();
                 }
             }
         }
@@ -349,8 +258,10 @@ impl<A: Shade> AbcUnit<A> {
             return Activity::Starved;
         };
         let (spec, arithmetic) = &mut self.frames[pass.frame as usize];
-        let [plane, slot] = spec.turned(self.state.next);
-        if self.state.taken <= pass.rays + in_section(&pass.taken, spec.last([plane, slot])) {
+        let order = &spec.order;
+        let [plane, slot] = order.turned(self.state.next);
+        let last = order.last([plane, slot]);
+        if self.state.taken <= pass.rays + order.rays_before(&pass.taken, last) {
             return Activity::Starved;
         }
         if self.state.give_spent + 1 < spec.ray_cycles {
@@ -370,7 +281,7 @@ impl<A: Shade> AbcUnit<A> {
         *slot += 1;
         if *slot == pass.given.end {
             (*plane, *slot) = (*plane + 1, pass.given.start);
-            if *plane == spec.planes {
+            if *plane == order.planes() {
                 self.state.giving += 1;
                 self.aim();
             } else {
@@ -392,16 +303,16 @@ impl<A: Shade> AbcUnit<A> {
             return None;
         }
         let pass = self.passes.get(self.state.giving as usize)?;
-        let spec = self.frames[pass.frame as usize].0;
-        let last = spec.last(spec.turned(self.state.next));
+        let AbcSpec { order, ring, .. } = &self.frames[pass.frame as usize].0;
+        let last = order.last(order.turned(self.state.next));
         // Where the next ray to be given still lacks a neighbour, the unit waits for itself: the ring is too small.
-        let lacks = self.state.taken <= pass.rays + in_section(&pass.taken, last);
+        let lacks = self.state.taken <= pass.rays + order.rays_before(&pass.taken, last);
         Some(Wait {
             unit: Self::NAME,
             port: "sample planes".into(),
             state: PortState::Full,
-            occupancy: spec.ring as usize,
-            capacity: spec.ring as usize,
+            occupancy: *ring as usize,
+            capacity: *ring as usize,
             upon: if lacks { Self::NAME } else { "cone" },
         })
     }

@@ -5,7 +5,7 @@ mod registers;
 use cube3_abc::golden::{Neighbourhood, Shaded, shade};
 use cube3_abc::{AbcSpec, AbcUnit, ShadedRay, ShadedSamples, Shader};
 use cube3_channel::Channel;
-use cube3_frame::{DiscreteRay, FrameSetup, Geometry};
+use cube3_frame::{DiscreteRay, FrameSetup, Geometry, Schedule};
 use cube3_machine::MachineSpec;
 use cube3_trilin::{RaySamples, SampleRay};
 use cube3_word::unit_full;
@@ -78,15 +78,16 @@ proptest! {
             registers.border = dice.word(0, unit_full(setup.words.sample_bits())) as i32;
         }
         let machine = MachineSpec { lanes, ..MachineSpec::default() };
-        let spec = AbcSpec::new(&machine, &setup);
-        let mut unit = AbcUnit::new([(spec, Shader::new(&setup, machine.abc.planes, skip))]);
+        let schedule = Schedule::new(&machine, &setup.geometry);
+        let spec = AbcSpec::new(&machine, &setup, &schedule);
+        let mut unit = AbcUnit::new([(spec, Shader::new(&setup, &schedule, machine.abc.planes, skip))]);
         let mut samples = Channel::<SampleRay<RaySamples>>::new("samples", 2, 1).unwrap();
         let mut shaded = Channel::<ShadedRay<ShadedSamples>>::new("shaded", 2, 1).unwrap();
-        let total = spec.slots * spec.planes;
+        let (slots, total) = (schedule.shape().slots as u64, schedule.ray_slots());
         let (mut offered, mut given, mut overflows, mut cycle) = (0, 0, 0, 0_u64);
         while given < total {
             if offered < total && let Some(ray) = samples.push_slot() {
-                let (plane, slot) = ((offered / spec.slots) as usize, (offered % spec.slots) as usize);
+                let (plane, slot) = ((offered / slots) as usize, (offered % slots) as usize);
                 (ray.plane, ray.slot) = (plane as u32, slot as u32);
                 fill(seed, &setup, plane, slot, &mut ray.data);
                 offered += 1;

@@ -8,42 +8,76 @@ mod registers;
 
 use cube3_abc::{AbcSpec, AbcUnit, NoShading, ShadedRay};
 use cube3_channel::{Account, Channel};
-use cube3_frame::{FrameSetup, Sections};
+use cube3_frame::{FrameSetup, FrameShape, Schedule, ShadingOrder};
 use cube3_trilin::SampleRay;
-use registers::{Dice, frame};
+use registers::{Dice, frame as any_frame};
+
+/// A frame in all that its timing depends on.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    ray_cycles: u64,
+    slots: u64,
+    planes: u64,
+    closes: [bool; 2],
+    buffered: bool,
+    reach: usize,
+    ring: u64,
+    section: Option<usize>,
+}
+
+impl Frame {
+    fn schedule(&self) -> Schedule {
+        let (slots, lanes) = (self.slots as usize, 3);
+        Schedule::of_shape(FrameShape {
+            slots,
+            planes: self.planes as usize,
+            depths: lanes * self.ray_cycles as usize,
+            columns: slots,
+            closes: self.closes,
+            doubled: false,
+            lanes,
+            section: self.section,
+        })
+    }
+
+    fn order(&self) -> ShadingOrder {
+        self.schedule().shading_order(self.reach, self.buffered)
+    }
+
+    fn spec(&self) -> AbcSpec {
+        AbcSpec { ray_cycles: self.schedule().ray_cycles(), order: self.order(), ring: self.ring }
+    }
+
+    /// How many rays must have come before a slot can be shaded.
+    fn needed(&self, plane: u64, slot: u64) -> u64 {
+        self.order().needed(plane, slot)
+    }
+}
 
 /// Frames of every small shape, taken whole and in sections.
-fn specs() -> impl Iterator<Item = AbcSpec> {
+fn frames() -> impl Iterator<Item = Frame> {
     let closes = [[false, false], [false, true], [true, false], [true, true]];
     let sizes = (1..=6_u64).flat_map(|slots| (1..=6_u64).map(move |planes| (slots, planes)));
     let shapes = sizes.flat_map(move |size| closes.map(|closes| (size, closes)));
     shapes.flat_map(|((slots, planes), closes)| {
         let kinds = [false, true].into_iter().flat_map(move |buffered| (1..=slots).map(move |width| (buffered, width)));
-        kinds.map(move |(buffered, width)| {
-            let sections = Sections::of_slots(slots as usize, Some(width as usize)).behind(1);
-            AbcSpec { ray_cycles: 1, slots, planes, closes, buffered, reach: 1, ring: 4, sections }
+        kinds.map(move |(buffered, width)| Frame {
+            closes,
+            buffered,
+            section: Some(width as usize),
+            ..frame_of(slots, planes)
         })
     })
 }
 
-/// Planes of so many slots that are taken whole.
-fn whole(slots: u64) -> Sections {
-    Sections::of_slots(slots as usize, None).behind(1)
-}
-
 /// A frame with a gradient that reads the next rays, taken whole, on four planes; no slots are shared.
-fn frame_of(slots: u64, planes: u64) -> AbcSpec {
-    let sections = whole(slots);
-    AbcSpec { ray_cycles: 1, slots, planes, closes: [false; 2], buffered: true, reach: 1, ring: 4, sections }
+fn frame_of(slots: u64, planes: u64) -> Frame {
+    Frame { ray_cycles: 1, slots, planes, closes: [false; 2], buffered: true, reach: 1, ring: 4, section: None }
 }
 
 /// The rays of a frame, plane and slot, in the order in which they come.
-fn taken(spec: &AbcSpec) -> Vec<(u32, u32)> {
-    let sections = (0..spec.sections.count()).map(|section| spec.sections.slots(section));
-    let planes = spec.planes as u32;
-    sections
-        .flat_map(|slots| (0..planes).flat_map(move |plane| slots.clone().map(move |slot| (plane, slot as u32))))
-        .collect()
+fn taken(frame: &Frame) -> Vec<(u32, u32)> {
+    frame.schedule().finished_rays().map(|ray| (ray.plane, ray.slot)).collect()
 }
 
 /// A frame through the unit: the cycle in which each ray left, with its plane and slot.
@@ -55,13 +89,13 @@ struct Run {
 
 /// Runs a frame with a ray offered every `every` cycles and taken away where `drained` says so of a cycle; until it
 /// is done, or nothing has moved for long.
-fn run(setup: &FrameSetup, spec: AbcSpec, every: u64, capacity: usize, drained: impl Fn(u64) -> bool) -> Run {
-    let mut unit = AbcUnit::new([(spec, NoShading)]);
+fn run(setup: &FrameSetup, frame: Frame, every: u64, capacity: usize, drained: impl Fn(u64) -> bool) -> Run {
+    let mut unit = AbcUnit::new([(frame.spec(), NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", capacity, 1).unwrap();
-    let total = spec.slots * spec.planes;
-    let taken = taken(&spec);
-    let order: Vec<[u64; 2]> = spec.order().collect();
+    let total = frame.slots * frame.planes;
+    let taken = taken(&frame);
+    let order: Vec<[u64; 2]> = frame.order().shaded().collect();
     let mut offered = 0;
     let mut result = Run { left: Vec::new(), account: Account::default(), cycles: 0 };
     let mut idle = 0;
@@ -87,7 +121,7 @@ fn run(setup: &FrameSetup, spec: AbcSpec, every: u64, capacity: usize, drained: 
         shaded.commit();
         result.cycles += 1;
         idle = if moved { 0 } else { idle + 1 };
-        assert!(idle < 50, "stuck after {} of {total} rays: {spec:?}", result.left.len());
+        assert!(idle < 50, "stuck after {} of {total} rays: {frame:?}", result.left.len());
     }
     assert!(unit.done());
     result.account = *unit.account();
@@ -96,52 +130,17 @@ fn run(setup: &FrameSetup, spec: AbcSpec, every: u64, capacity: usize, drained: 
 }
 
 fn setup() -> FrameSetup {
-    frame(&mut Dice(0))
-}
-
-#[test]
-fn every_slot_is_shaded_once() {
-    for spec in specs() {
-        let total = spec.slots * spec.planes;
-        let mut seen = vec![0; total as usize];
-        for [plane, slot] in spec.order() {
-            seen[(plane * spec.slots + slot) as usize] += 1;
-        }
-        assert!(seen.iter().all(|&times| times == 1), "{spec:?}");
-    }
-}
-
-#[test]
-fn a_slot_needs_its_neighbours_and_nothing_that_comes_after_them() {
-    for spec in specs() {
-        let beside = |i: u64, n: u64, closes: bool| -> Vec<u64> {
-            let (before, after) = (i.checked_sub(1), Some(i + 1).filter(|&i| i < n));
-            let around = if closes { [Some((i + n - 1) % n), Some((i + 1) % n)] } else { [before, after] };
-            around.into_iter().flatten().chain([i]).collect()
-        };
-        let taken = taken(&spec);
-        let came = |plane, slot| taken.iter().position(|&ray| ray == (plane as u32, slot as u32)).unwrap() as u64;
-        for [plane, slot] in spec.order() {
-            let last = if spec.buffered {
-                let planes = beside(plane, spec.planes, spec.closes[1]);
-                let slots = beside(slot, spec.slots, spec.closes[0]);
-                planes.into_iter().flat_map(|i| slots.iter().map(move |&j| came(i, j))).max().unwrap()
-            } else {
-                came(plane, slot)
-            };
-            assert_eq!(spec.needed(plane, slot), last + 1, "{spec:?}, plane {plane}, slot {slot}");
-        }
-    }
+    any_frame(&mut Dice(0))
 }
 
 #[test]
 fn no_shape_of_frame_gets_stuck_with_four_planes() {
     let setup = setup();
-    for spec in specs() {
+    for frame in frames() {
         for ray_cycles in [1, 3] {
-            let spec = AbcSpec { ray_cycles, ..spec };
-            run(&setup, spec, 1, 2, |_| true);
-            run(&setup, spec, 1, 1, |now| now % 7 == 0);
+            let frame = Frame { ray_cycles, ..frame };
+            run(&setup, frame, 1, 2, |_| true);
+            run(&setup, frame, 1, 1, |now| now % 7 == 0);
         }
     }
 }
@@ -150,8 +149,8 @@ fn no_shape_of_frame_gets_stuck_with_four_planes() {
 fn without_a_gradient_a_ray_leaves_as_it_comes() {
     let setup = setup();
     for ray_cycles in 1..5 {
-        let spec = AbcSpec { ray_cycles, closes: [true; 2], buffered: false, ..frame_of(4, 3) };
-        let left = run(&setup, spec, 1, 2, |_| true).left;
+        let frame = Frame { ray_cycles, closes: [true; 2], buffered: false, ..frame_of(4, 3) };
+        let left = run(&setup, frame, 1, 2, |_| true).left;
         for (e, (cycle, _)) in left.into_iter().enumerate() {
             // It is at the input in cycle 1, taken after ray_cycles, given after as many, the two at once.
             assert_eq!(cycle, (e as u64 + 2) * ray_cycles - 1, "ray {e}, {ray_cycles} cycles each");
@@ -165,18 +164,18 @@ fn the_first_ray_leaves_a_plane_and_a_ray_later_and_not_a_cycle_earlier() {
     for slots in 1..7 {
         for planes in 1..6 {
             for (closes, buffered) in [([false; 2], true), ([true; 2], true), ([false; 2], false)] {
-                let spec = AbcSpec { closes, buffered, ..frame_of(slots, planes) };
-                let result = run(&setup, spec, 1, 2, |_| true);
-                let [plane, slot] = spec.order().next().unwrap();
+                let frame = Frame { closes, buffered, ..frame_of(slots, planes) };
+                let result = run(&setup, frame, 1, 2, |_| true);
+                let [plane, slot] = frame.order().shaded().next().unwrap();
                 // Ray number m (from 0) is at the input in cycle m + 1, and given in the cycle in which it is taken.
-                assert_eq!(result.left[0].0, spec.needed(plane, slot), "{spec:?}");
+                assert_eq!(result.left[0].0, frame.needed(plane, slot), "{frame:?}");
                 let late = match (buffered, closes[0]) {
                     (false, _) => 0,
                     (true, true) if planes > 2 && slots > 2 => 2 * slots + 2,
                     (true, true) => continue,
                     (true, false) => u64::from(planes > 1) * slots + u64::from(slots > 1),
                 };
-                assert_eq!(result.left[0].0, 1 + late, "{spec:?}");
+                assert_eq!(result.left[0].0, 1 + late, "{frame:?}");
             }
         }
     }
@@ -187,8 +186,8 @@ fn rays_leave_at_the_rate_of_the_lanes() {
     let setup = setup();
     for ray_cycles in 1..5 {
         for closes in [[false; 2], [true; 2]] {
-            let spec = AbcSpec { ray_cycles, closes, ..frame_of(6, 5) };
-            let result = run(&setup, spec, 1, 2, |_| true);
+            let frame = Frame { ray_cycles, closes, ..frame_of(6, 5) };
+            let result = run(&setup, frame, 1, 2, |_| true);
             let steady = result.left.windows(2).all(|pair| pair[1].0 - pair[0].0 >= ray_cycles);
             assert!(steady, "{ray_cycles}: {:?}", result.left);
             // At the end of the frame nothing comes any more, and a ray leaves every ray_cycles.
@@ -202,10 +201,10 @@ fn rays_leave_at_the_rate_of_the_lanes() {
 fn a_frame_that_never_stalls_takes_its_rays_and_its_fill() {
     let setup = setup();
     for (slots, planes) in [(5, 5), (1, 4), (7, 1), (2, 2)] {
-        let spec = frame_of(slots, planes);
-        let result = run(&setup, spec, 1, 2, |_| true);
+        let frame = frame_of(slots, planes);
+        let result = run(&setup, frame, 1, 2, |_| true);
         // The first cycle has no ray yet; then one is taken or given in every cycle.
-        let needed = spec.needed(0, 0);
+        let needed = frame.needed(0, 0);
         assert_eq!(result.cycles, needed + slots * planes, "{slots} × {planes}");
         assert_eq!(result.account, Account { starved: 1, busy: needed + slots * planes - 1, ..Account::default() });
     }
@@ -214,13 +213,13 @@ fn a_frame_that_never_stalls_takes_its_rays_and_its_fill() {
 #[test]
 fn a_unit_without_rays_is_starved_and_one_without_room_blocked() {
     let setup = setup();
-    let spec = AbcSpec { buffered: false, ..frame_of(3, 2) };
-    let slow = run(&setup, spec, 10, 2, |_| true);
+    let frame = Frame { buffered: false, ..frame_of(3, 2) };
+    let slow = run(&setup, frame, 10, 2, |_| true);
     // Ray m comes in cycle 10·m + 1: 6 cycles of work in 52.
     assert_eq!(slow.account, Account { busy: 6, starved: 46, ..Account::default() });
     // Room for one, taken away in cycles 0, 10, 20 …: pushed in 1, and in each cycle after a pop. The unit takes on
     // into its buffers, but does not work without a ray at the input.
-    let held = run(&setup, spec, 1, 1, |now| now % 10 == 0);
+    let held = run(&setup, frame, 1, 1, |now| now % 10 == 0);
     let left: Vec<u64> = held.left.iter().map(|(cycle, _)| *cycle).collect();
     assert_eq!(left, [1, 11, 21, 31, 41, 51]);
     assert_eq!(held.account.starved, 1);
@@ -231,8 +230,8 @@ fn a_unit_without_rays_is_starved_and_one_without_room_blocked() {
 #[test]
 fn a_full_ring_stops_the_input_and_says_so() {
     let setup = setup();
-    let spec = frame_of(2, 9);
-    let mut unit = AbcUnit::new([(spec, NoShading)]);
+    let frame = frame_of(2, 9);
+    let mut unit = AbcUnit::new([(frame.spec(), NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 1, 1).unwrap();
     let mut offered = 0_u32;
@@ -268,8 +267,8 @@ fn with_three_planes_the_input_waits_for_the_end_of_a_plane_and_with_more_it_doe
     let setup = setup();
     let (slots, planes) = (6, 8);
     let cycles = |ring: u64, every: u64| {
-        let spec = AbcSpec { ring, ..frame_of(slots, planes) };
-        run(&setup, spec, every, 2, |_| true).cycles
+        let frame = Frame { ring, ..frame_of(slots, planes) };
+        run(&setup, frame, every, 2, |_| true).cycles
     };
     // One cycle before the first ray is there, its neighbours a plane and a ray later, and then a ray a cycle.
     let free = 1 + slots + 1 + slots * planes;
@@ -279,8 +278,8 @@ fn with_three_planes_the_input_waits_for_the_end_of_a_plane_and_with_more_it_doe
     assert_eq!(cycles(3, 1), free + THREE_PLANES_COST * (planes - 3));
     // Without a gradient nothing waits, with one plane or many.
     for ring in 1..5 {
-        let spec = AbcSpec { closes: [true; 2], buffered: false, ring, ..frame_of(slots, planes) };
-        assert_eq!(run(&setup, spec, 1, 2, |_| true).cycles, 1 + slots * planes);
+        let frame = Frame { closes: [true; 2], buffered: false, ring, ..frame_of(slots, planes) };
+        assert_eq!(run(&setup, frame, 1, 2, |_| true).cycles, 1 + slots * planes);
     }
 }
 
@@ -290,11 +289,11 @@ const THREE_PLANES_COST: u64 = 1;
 #[test]
 fn no_shape_of_frame_gets_stuck_with_three_planes() {
     let setup = setup();
-    for spec in specs() {
+    for frame in frames() {
         for ray_cycles in [1, 3] {
-            let spec = AbcSpec { ray_cycles, ring: 3, ..spec };
-            run(&setup, spec, 1, 2, |_| true);
-            run(&setup, spec, 1, 1, |now| now % 7 == 0);
+            let frame = Frame { ray_cycles, ring: 3, ..frame };
+            run(&setup, frame, 1, 2, |_| true);
+            run(&setup, frame, 1, 1, |now| now % 7 == 0);
         }
     }
 }
@@ -302,8 +301,8 @@ fn no_shape_of_frame_gets_stuck_with_three_planes() {
 #[test]
 fn with_two_planes_the_unit_waits_for_itself_and_says_so() {
     let setup = setup();
-    let spec = AbcSpec { ring: 2, ..frame_of(3, 5) };
-    let mut unit = AbcUnit::new([(spec, NoShading)]);
+    let frame = Frame { ring: 2, ..frame_of(3, 5) };
+    let mut unit = AbcUnit::new([(frame.spec(), NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 2, 1).unwrap();
     let mut offered = 0_u32;
@@ -335,19 +334,19 @@ fn the_ring_takes_planes_of_this_frame_and_the_next_and_of_no_third() {
     for closes in [[false; 2], [true; 2]] {
         for planes in 1..4_u64 {
             for ring in 3..9 {
-                let spec = AbcSpec { closes, ring, ..frame_of(3, planes) };
-                let mut unit = AbcUnit::new([(spec, NoShading); 4]);
+                let frame = Frame { closes, ring, ..frame_of(3, planes) };
+                let mut unit = AbcUnit::new([(frame.spec(), NoShading); 4]);
                 let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
                 // Nobody takes the shaded rays, and so the first planes of frame 0 stay.
                 let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 1, 1).unwrap();
                 let mut offered = 0;
                 for _ in 0..100 {
-                    if offered < 4 * planes * spec.slots
+                    if offered < 4 * planes * frame.slots
                         && let Some(ray) = samples.push_slot()
                     {
-                        let plane = offered / spec.slots;
+                        let plane = offered / frame.slots;
                         (ray.frame, ray.plane) = ((plane / planes) as u32, (plane % planes) as u32);
-                        ray.slot = (offered % spec.slots) as u32;
+                        ray.slot = (offered % frame.slots) as u32;
                         offered += 1;
                     }
                     unit.tick(&frames, &mut samples, &mut shaded);
@@ -355,7 +354,7 @@ fn the_ring_takes_planes_of_this_frame_and_the_next_and_of_no_third() {
                     shaded.commit();
                 }
                 // First planes are kept for two frames.
-                let taken = ring.min(2 * planes) * spec.slots;
+                let taken = ring.min(2 * planes) * frame.slots;
                 assert_eq!(samples.counters().pops, taken, "frames of {planes}, {ring} planes, {closes:?}");
             }
         }
@@ -369,21 +368,22 @@ fn farther_neighbours_cost_their_planes_once() {
     let setup = setup();
     let (slots, planes) = (6, 12);
     for reach in 1..=5 {
-        let spec = |ring| AbcSpec { reach, ring, ..frame_of(slots, planes) };
-        assert_eq!(spec(4).needed(0, 0), reach * slots + reach + 1);
-        assert_eq!(spec(4).needed(planes - 1, slots - 1), planes * slots);
-        let cycles = |ring| run(&setup, spec(ring), 1, 2, |_| true).cycles;
-        let free = 1 + reach * slots + reach + slots * planes;
-        assert_eq!([cycles(2 * reach + 2), cycles(64)], [free; 2], "{reach}");
-        assert!(cycles(2 * reach + 1) > free, "{reach}");
+        let frame = |ring| Frame { reach, ring, ..frame_of(slots, planes) };
+        let away = reach as u64;
+        assert_eq!(frame(4).needed(0, 0), away * slots + away + 1);
+        assert_eq!(frame(4).needed(planes - 1, slots - 1), planes * slots);
+        let cycles = |ring| run(&setup, frame(ring), 1, 2, |_| true).cycles;
+        let free = 1 + away * slots + away + slots * planes;
+        assert_eq!([cycles(2 * away + 2), cycles(64)], [free; 2], "{reach}");
+        assert!(cycles(2 * away + 1) > free, "{reach}");
     }
 }
 
 #[test]
 fn a_ring_too_small_for_farther_neighbours_is_named() {
     let setup = setup();
-    let spec = AbcSpec { reach: 3, ring: 6, ..frame_of(3, 9) };
-    let mut unit = AbcUnit::new([(spec, NoShading)]);
+    let frame = Frame { reach: 3, ring: 6, ..frame_of(3, 9) };
+    let mut unit = AbcUnit::new([(frame.spec(), NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 2, 1).unwrap();
     let mut offered = 0_u32;
@@ -405,7 +405,7 @@ fn a_ring_too_small_for_farther_neighbours_is_named() {
 #[test]
 fn the_next_frame_comes_in_as_far_as_its_own_ring_goes() {
     let setups = [setup(), setup()];
-    let spec = |reach, ring| AbcSpec { reach, ring, ..frame_of(1, 12) };
+    let spec = |reach, ring| Frame { reach, ring, ..frame_of(1, 12) }.spec();
     let mut unit = AbcUnit::new([(spec(4, 10), NoShading), (spec(1, 4), NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 1, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 1, 1).unwrap();

@@ -436,6 +436,13 @@ impl<T: Accumulator> ConeLanes<T> {
         }
     }
 
+    /// The next depths, which are without samples.
+    pub fn pass(&mut self, depths: usize) {
+        for _ in 0..depths {
+            self.push(None::<(i64, &ShadedRow, fn(usize) -> i32)>);
+        }
+    }
+
     /// Leaves of a row.
     #[inline(always)]
     fn leaves(&self, start: i64, shaded: &ShadedRow, sample: impl Fn(usize) -> i32, node: &mut RowNode<T>) {

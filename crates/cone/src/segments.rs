@@ -1,19 +1,18 @@
 //! How many pixels a ray slot gives, from the geometry alone.
 
-use cube3_frame::{Geometry, RayStretches};
+use cube3_frame::{Geometry, RayPlace, RayStretches, Schedule};
 
 /// Pixels of each slot of a frame: one for each ray that it has.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PixelCounts {
     rays: RayStretches,
-    /// Slots of a plane, and planes.
-    slots: [usize; 2],
+    schedule: Schedule,
 }
 
 impl PixelCounts {
-    /// The counts of a geometry.
-    pub fn new(geometry: &Geometry) -> PixelCounts {
-        PixelCounts { rays: RayStretches::new(geometry), slots: geometry.slot_counts() }
+    /// The counts of a frame, which has this schedule.
+    pub fn new(geometry: &Geometry, schedule: Schedule) -> PixelCounts {
+        PixelCounts { rays: RayStretches::new(geometry), schedule }
     }
 
     /// Pixels of a slot of a plane.
@@ -24,7 +23,6 @@ impl PixelCounts {
 
     /// Pixels of the frame.
     pub fn total(&self) -> u64 {
-        let [slots, planes] = self.slots;
-        (0..planes).flat_map(|plane| (0..slots).map(move |slot| self.of(plane, slot))).sum()
+        self.schedule.rays().map(|RayPlace { plane, slot, .. }| self.of(plane as usize, slot as usize)).sum()
     }
 }

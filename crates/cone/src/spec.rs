@@ -1,7 +1,7 @@
 //! The cone's data sheet: how long each kind takes for a ray, what it is made of, and what it sends between boards.
 
 use cube3_dsb::BoardSpec;
-use cube3_frame::FrameSetup;
+use cube3_frame::Schedule;
 use cube3_machine::{ChannelSize, ConeKind, MachineSpec};
 
 /// Data sheet of the cone for one frame.
@@ -25,14 +25,14 @@ pub struct ConeSpec {
 const NODE_WORDS: u64 = 4;
 
 impl ConeSpec {
-    /// The data sheet for a machine and the registers of a frame.
-    pub fn new(machine: &MachineSpec, setup: &FrameSetup) -> ConeSpec {
-        ConeSpec::of(machine, setup.geometry.size[2])
+    /// The data sheet for a machine and a frame, which has this schedule there.
+    pub fn new(machine: &MachineSpec, schedule: &Schedule) -> ConeSpec {
+        ConeSpec::of(machine, schedule.shape().depths)
     }
 
     /// The data sheet for a machine and rays of so many samples.
     pub fn of(machine: &MachineSpec, samples: usize) -> ConeSpec {
-        let chunks = samples.div_ceil(machine.lanes) as u64;
+        let chunks = Schedule::cycles(samples, machine.lanes);
         ConeSpec {
             kind: machine.cone.kind,
             lanes: machine.lanes,

@@ -5,7 +5,7 @@ use cube3_abc::{ShadedRay, ShadedSamples};
 use cube3_channel::Channel;
 use cube3_cone::golden::{Node, leaf, pixel, reduce};
 use cube3_cone::{ConeSpec, ConeUnit, PixelGroup, Pixels, Reducer};
-use cube3_frame::{DiscreteRay, FrameSetup};
+use cube3_frame::{DiscreteRay, FrameSetup, Schedule};
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::{Cone, ConeKind, MachineSpec, RaySlots, Rays, TemplateRule};
 use cube3_scene::{Mode, Scene, View};
@@ -82,7 +82,7 @@ proptest! {
         let depths = geometry.size[2];
         let (pixels, overflows) = expected(seed, &setup);
 
-        let mut unit = ConeUnit::new(vec![ConeSpec::new(&machine, &setup)], Reducer::default());
+        let mut unit = ConeUnit::new(vec![ConeSpec::new(&machine, &Schedule::new(&machine, &setup.geometry))], Reducer::default());
         let mut shaded = Channel::<ShadedRay<ShadedSamples>>::new("shaded", 2, 1).unwrap();
         let mut out = Channel::<PixelGroup<Pixels>>::new("pixels", 2, 1).unwrap();
         let [slots, planes] = geometry.slot_counts();

@@ -5,7 +5,7 @@ use cube3_channel::Channel;
 use cube3_cone::golden::{Node, Segment, circle, combine, front_to_back, reduce};
 use cube3_cone::lanes::in_order;
 use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelCounts, PixelGroup};
-use cube3_frame::{ConeRegisters, DiscreteRay, FrameSetup, Geometry};
+use cube3_frame::{ConeRegisters, DiscreteRay, FrameSetup, Geometry, Schedule};
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::{Boards, Cone, ConeKind, ConeOrder, MachineSpec, RaySlots, Rays};
 use cube3_scene::{Mode, Scene, View};
@@ -68,7 +68,7 @@ fn a_pixel_leaves_after_the_drain_and_not_a_cycle_earlier() {
         for (lanes, depths) in [(8, 8), (8, 17), (1, 3), (5, 11), (16, 3)] {
             let machine = machine(kind, lanes);
             let setup = setup(&machine, [1, 1, depths], [0.0, 0.0, 1.0]);
-            let spec = ConeSpec::new(&machine, &setup);
+            let spec = ConeSpec::new(&machine, &Schedule::new(&machine, &setup.geometry));
             // The presets give a folded tree its log₂ lanes and one.
             let mut machine = machine.clone();
             machine.channel.pixels = cube3_machine::ChannelSize::pipelined(spec.levels() + 1);
@@ -152,7 +152,7 @@ proptest! {
         let slots = if padded { RaySlots::Padded } else { RaySlots::Wrapped };
         let machine = MachineSpec { rays: Rays { slots, ..Rays::default() }, ..MachineSpec::default() };
         let geometry: Geometry = setup(&machine, dims, direction).geometry;
-        let counts = PixelCounts::new(&geometry);
+        let counts = PixelCounts::new(&geometry, Schedule::new(&machine, &geometry));
         let [slots, planes] = geometry.slot_counts();
         let mut total = 0;
         for plane in 0..planes {

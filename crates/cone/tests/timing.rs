@@ -3,7 +3,7 @@
 use cube3_abc::ShadedRay;
 use cube3_channel::{Account, Channel};
 use cube3_cone::{ConeSpec, ConeUnit, NoPixels, PixelGroup};
-use cube3_frame::FrameSetup;
+use cube3_frame::{FrameSetup, Schedule};
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::MachineSpec;
 use cube3_scene::{Scene, View};
@@ -18,7 +18,7 @@ fn setup(machine: &MachineSpec, depths: usize) -> FrameSetup {
 fn run(lanes: usize, depths: usize, every: u64, drained: impl Fn(u64) -> bool, cycles: u64) -> (Vec<u64>, Account) {
     let machine = MachineSpec { lanes, ..MachineSpec::default() };
     let setup = setup(&machine, depths);
-    let mut cone = ConeUnit::new(vec![ConeSpec::new(&machine, &setup)], NoPixels);
+    let mut cone = ConeUnit::new(vec![ConeSpec::new(&machine, &Schedule::new(&machine, &setup.geometry))], NoPixels);
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 2, 1).unwrap();
     let mut pixels = Channel::<PixelGroup<()>>::new("pixels", 1, 1).unwrap();
     let (mut offered, mut left) = (0, Vec::new());

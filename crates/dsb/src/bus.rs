@@ -11,7 +11,7 @@ use cube3_cfb::{Beam, VoxelBeam};
 use cube3_channel::{
     Account, Activity, Archive, ArchiveError, Archived, Channel, ClockDomain, Payload, Reason, Transfer,
 };
-use cube3_frame::{FrameSetup, Geometry, Sections};
+use cube3_frame::{FrameSetup, Schedule};
 use cube3_machine::MachineSpec;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -74,36 +74,43 @@ pub struct BusSpec {
     pub lane_cycles: u64,
     /// Slices of a beam: ⌈n_u / channels⌉.
     pub slices: u64,
-    /// Sections in which the ray slots of a plane are taken: a beam has then the voxels of one, for n_u.
-    pub sections: Sections,
-    lanes: u64,
+    /// The order of the beams. Where it has sections a beam has the voxels of one, for n_u.
+    pub schedule: Schedule,
     channels: u64,
 }
 
+/// A beam on the bus: its words, the cycles that the lanes need for it, its slices.
+#[derive(Clone, Copy, Debug)]
+struct BeamWords {
+    words: u64,
+    lane_cycles: u64,
+    slices: u64,
+}
+
 impl BusSpec {
-    /// The data sheet for a machine and the geometry of a frame.
-    pub fn new(machine: &MachineSpec, geometry: &Geometry) -> BusSpec {
+    /// The data sheet for a machine and a frame, which has this schedule there.
+    pub fn new(machine: &MachineSpec, schedule: Schedule) -> BusSpec {
         // Where slots need their own cells, two rows are gathered twice, each time for every slot.
-        let (words, gathers) = if geometry.doubled() { (geometry.slot_counts()[0], 4) } else { (geometry.size[0], 1) };
+        let (words, gathers) = (schedule.aligned_words() as u64, schedule.words_of_slot() as u64);
+        let channels = channels(machine) as u64;
         BusSpec {
-            words: gathers * words as u64,
-            lane_cycles: gathers * words.div_ceil(machine.lanes) as u64,
-            slices: gathers * words.div_ceil(channels(machine)) as u64,
-            sections: Sections::of(machine, geometry),
-            lanes: machine.lanes as u64,
-            channels: channels(machine) as u64,
+            words: gathers * words,
+            lane_cycles: gathers * schedule.aligned_cycles(),
+            slices: gathers * words.div_ceil(channels),
+            schedule,
+            channels,
         }
     }
 
-    /// The same for a beam of so many voxels.
+    /// Those of a beam of so many voxels.
     #[inline]
-    fn of_voxels(self, voxels: u32) -> BusSpec {
-        if self.sections.is_whole() {
-            return self;
+    fn of_voxels(&self, voxels: u32) -> BeamWords {
+        let BusSpec { words, lane_cycles, slices, schedule, channels } = self;
+        if schedule.sections().is_whole() {
+            return BeamWords { words: *words, lane_cycles: *lane_cycles, slices: *slices };
         }
         let words = u64::from(voxels);
-        let (lane_cycles, slices) = (words.div_ceil(self.lanes), words.div_ceil(self.channels));
-        BusSpec { words, lane_cycles, slices, ..self }
+        BeamWords { words, lane_cycles: schedule.piece_cycles(voxels), slices: words.div_ceil(*channels) }
     }
 }
 
@@ -167,14 +174,14 @@ impl<B: Align> BusUnit<B> {
     /// The unit's name.
     pub const NAME: &'static str = "bus";
 
-    /// A bus for the frames of these geometries. A beam takes as long as its lanes and its slices need.
-    pub fn new<'a>(machine: &MachineSpec, geometries: impl IntoIterator<Item = &'a Geometry>, wires: B) -> BusUnit<B> {
+    /// A bus for frames of these schedules. A beam takes as long as its lanes and its slices need.
+    pub fn new(machine: &MachineSpec, schedules: impl IntoIterator<Item = Schedule>, wires: B) -> BusUnit<B> {
         let clock = slice_clock(machine);
         let (ticks, cycles) = clock.ratio();
         let scarce = channels(machine) < machine.lanes || ticks < cycles;
         let boards = BoardSpec::new(machine);
         BusUnit {
-            specs: geometries.into_iter().map(|geometry| BusSpec::new(machine, geometry)).collect(),
+            specs: schedules.into_iter().map(|schedule| BusSpec::new(machine, schedule)).collect(),
             boards,
             channels: channels(machine) as u64,
             clock,
@@ -223,15 +230,15 @@ impl<B: Align> BusUnit<B> {
             return Activity::Starved;
         };
         let frame = beam.frame as usize;
-        let spec = self.specs[frame].of_voxels(beam.voxels);
-        let needed = if beam.row.is_some() { spec.lane_cycles } else { 1 };
+        let sent = self.specs[frame].of_voxels(beam.voxels);
+        let needed = if beam.row.is_some() { sent.lane_cycles } else { 1 };
         let mut activity = Activity::Busy;
         if self.limited
             && let Some(v) = beam.row
         {
             if !self.crossing.is_empty() && !self.counted {
                 let place = [beam.plane, v, beam.depth].map(|i| i as usize);
-                let slots = spec.sections.slots(beam.section as usize);
+                let slots = self.specs[frame].schedule.sections().slots(beam.section as usize);
                 self.boards.beam_words(&frames[frame].geometry, slots, place, &mut self.crossing);
                 self.counted = true;
             }
@@ -239,7 +246,7 @@ impl<B: Align> BusUnit<B> {
                 // The cycle in which the last slices come is one of waiting, too.
                 activity = Activity::Waiting(Reason::BusSlice);
             }
-            if self.state.slices.is_some_and(|slices| !slices.completes(spec.slices)) {
+            if self.state.slices.is_some_and(|slices| !slices.completes(sent.slices)) {
                 self.carry();
                 return activity;
             }
@@ -267,19 +274,20 @@ impl<B: Align> BusUnit<B> {
         if let Some(v) = beam.row {
             let at = [beam.plane, v, beam.depth].map(|i| i as usize);
             let geometry = &frames[frame].geometry;
-            let columns = if spec.sections.is_whole() {
+            let sections = self.specs[frame].schedule.sections();
+            let columns = if sections.is_whole() {
                 [0..geometry.size[0], 0..0]
             } else {
-                geometry.columns(spec.sections.slots(beam.section as usize), at[2])
+                geometry.columns(sections.slots(beam.section as usize), at[2])
             };
             self.wires.align(&frames[frame], at, &columns, &beam.data, &mut output.data);
-            self.state.words += spec.words;
+            self.state.words += sent.words;
         }
         let empty = beam.row.is_none();
         beams.pop_slot();
         self.state.spent = 0;
         if self.limited {
-            if empty { self.rest() } else { self.finish(spec) }
+            if empty { self.rest() } else { self.finish(sent.slices) }
         }
         activity
     }
@@ -299,14 +307,14 @@ impl<B> BusUnit<B> {
         }
     }
 
-    fn finish(&mut self, spec: BusSpec) {
+    fn finish(&mut self, sent: u64) {
         let LinkWords { busiest, all } = LinkWords::of(&self.crossing);
         self.state.link_words += all;
         self.state.link_peak = self.state.link_peak.max(busiest);
         self.counted = false;
         self.sent = !self.crossing.is_empty();
         if let Some(slices) = &mut self.state.slices {
-            slices.finish(spec.slices);
+            slices.finish(sent);
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::golden::{beam_lane, slot};
 use cube3_cfb::golden::output_lane;
 use cube3_channel::{Archive, ArchiveError, Archived};
-use cube3_frame::{Geometry, Sections};
+use cube3_frame::{BeamPlace, FrameShape, Geometry, Schedule};
 use cube3_word::turn;
 use std::ops::Range;
 
@@ -88,15 +88,8 @@ impl Rotator {
 /// depth k is in lane `(j + k) mod lanes`, see [`ray_lane`](crate::golden::ray_lane).
 #[derive(Clone, Debug)]
 pub struct PlaneStore {
-    lanes: usize,
-    slots: usize,
-    /// Words of a ray: whole chunks of lanes.
-    depths: usize,
-    /// Voxels of a slot at a depth: one, or the four of the near or far side of its cell.
-    copies: usize,
-    /// Sections in which the slots are taken, and planes of the frame: the ring holds planes of sections, one behind another.
-    sections: Sections,
-    planes: usize,
+    /// The order of the beams: the ring holds planes of sections, one behind another.
+    schedule: Schedule,
     ring: Vec<Vec<u16>>,
     first: Vec<u16>,
     /// A beam of zeros.
@@ -104,43 +97,36 @@ pub struct PlaneStore {
 }
 
 impl PlaneStore {
-    /// `planes` buffers for a geometry, and one for the first plane where the last needs it again.
-    pub fn new(geometry: &Geometry, lanes: usize, planes: usize) -> PlaneStore {
-        let [slots, frame_planes] = geometry.slot_counts();
-        let depths = geometry.size[2].div_ceil(lanes) * lanes;
-        let copies = if geometry.doubled() { 4 } else { 1 };
-        let words = slots * depths * copies;
-        let first = if geometry.closes()[1] { vec![0; words] } else { Vec::new() };
-        let zeros = vec![0; copies * slots.div_ceil(lanes) * lanes];
-        let sections = Sections::of_slots(slots, None);
-        let ring = vec![vec![0; words]; planes];
-        PlaneStore { lanes, slots, depths, copies, sections, planes: frame_planes, ring, first, zeros }
-    }
-
-    /// The same for a frame that is taken in sections. A buffer has a place for every slot, though the machine's has places for those
-    /// of one section.
-    #[must_use]
-    pub fn in_sections(self, sections: Sections) -> PlaneStore {
-        PlaneStore { sections, ..self }
+    /// `planes` buffers for a frame, and one for the first plane where the last needs it again. A buffer has a place for every slot, though
+    /// the machine's has places for those of one section.
+    pub fn new(schedule: Schedule, planes: usize) -> PlaneStore {
+        let FrameShape { slots, lanes, closes: [_, closes], .. } = *schedule.shape();
+        let words = slots * schedule.ray_words() * schedule.words_of_slot();
+        let first = if closes { vec![0; words] } else { Vec::new() };
+        let zeros = vec![0; schedule.words_of_slot() * slots.div_ceil(lanes) * lanes];
+        PlaneStore { schedule, ring: vec![vec![0; words]; planes], first, zeros }
     }
 
     /// A plane of a section, counted over all of them.
-    pub(crate) fn plane(&self, section: usize, plane: usize) -> usize {
-        section * self.planes + plane
+    pub(crate) fn plane(&self, section: u32, plane: u32) -> usize {
+        self.schedule.plane_number(section, plane) as usize
     }
 
     /// Writes what a section's slots have of an aligned beam; none writes zeros.
-    pub fn write(&mut self, section: usize, plane: usize, depth: usize, beam: Option<&[u16]>) {
+    pub fn write(&mut self, BeamPlace { section, plane, depth }: BeamPlace, beam: Option<&[u16]>) {
         let place = self.plane(section, plane) % self.ring.len();
         let beam = beam.unwrap_or(&self.zeros);
-        let PlaneStore { lanes, slots, depths, copies, sections, ring, first, .. } = self;
+        let PlaneStore { schedule, ring, first, .. } = self;
+        let (FrameShape { slots, lanes, .. }, copies) = (*schedule.shape(), schedule.words_of_slot());
+        let depths = schedule.ray_words();
+        let (sections, depth) = (schedule.sections(), depth as usize);
         let kept = (plane == 0 && !first.is_empty()).then_some(first);
         for plane in std::iter::once(&mut ring[place]).chain(kept) {
             if sections.is_whole() {
-                put([*lanes, *slots, *depths, *copies], depth, beam, plane);
+                put([lanes, slots, depths, copies], depth, beam, plane);
             } else {
-                for j in sections.slots(section) {
-                    plane[j * *depths + depth] = beam[beam_lane(*lanes, j, depth)];
+                for j in sections.slots(section as usize) {
+                    plane[j * depths + depth] = beam[beam_lane(lanes, j, depth)];
                 }
             }
         }
@@ -155,13 +141,14 @@ impl PlaneStore {
 
     /// Whether a slot has its own cell.
     pub(crate) fn has_cells(&self) -> bool {
-        self.copies > 1
+        self.schedule.shape().doubled
     }
 
     /// Appends copy `copy` of ray slot `j`; see [`Rotator::gather`] for their order.
     pub(crate) fn read_copy(&self, plane: usize, kept: bool, j: usize, copy: usize, ray: &mut Vec<u16>) {
         let buffer = if kept { &self.first } else { &self.ring[plane % self.ring.len()] };
-        ray.extend_from_slice(&buffer[(copy * self.slots + j) * self.depths..][..self.depths]);
+        let depths = self.schedule.ray_words();
+        ray.extend_from_slice(&buffer[(copy * self.schedule.shape().slots + j) * depths..][..depths]);
     }
 }
 
@@ -197,8 +184,7 @@ fn spread(words: &[u16], depth: usize, depths: usize, rays: &mut [u16]) {
 
 impl Archived for PlaneStore {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
-        let PlaneStore { lanes: _, slots: _, depths: _, copies: _, sections: _, planes: _, ring, first, zeros: _ } =
-            self;
+        let PlaneStore { schedule: _, ring, first, zeros: _ } = self;
         ring.iter_mut().try_for_each(|plane| archive.list(plane))?;
         archive.list(first)
     }
@@ -271,7 +257,7 @@ mod tests {
             let [slots, planes] = geometry.slot_counts();
             let rotator = Rotator { lanes };
             let word = |x: usize, y: usize, k: usize| (1 + x + 10 * y + 100 * k) as u16;
-            let mut store = PlaneStore::new(&geometry, lanes, 2);
+            let mut store = PlaneStore::new(Schedule::of(&geometry, lanes, None), 2);
             let (mut beam, mut aligned, mut ray) = (Vec::new(), Vec::new(), Vec::new());
             for i in 0..planes {
                 for k in 0..size[2] {
@@ -285,7 +271,8 @@ mod tests {
                         }
                         rotator.align(&geometry, y, k, &beam, &mut aligned);
                     }
-                    store.write(0, i, k, row.map(|_| aligned.as_slice()));
+                    let place = BeamPlace { section: 0, plane: i as u32, depth: k as u32 };
+                    store.write(place, row.map(|_| aligned.as_slice()));
                 }
                 for j in 0..slots {
                     store.read(i, false, j, &mut ray);

@@ -11,7 +11,7 @@
 use crate::PlaneStore;
 use cube3_cfb::{Beam, VoxelBeam};
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload, PortState, Reason, Wait};
-use cube3_frame::{Geometry, Sections};
+use cube3_frame::{BeamPlace, RayPlace, Schedule};
 use cube3_machine::MachineSpec;
 use serde::{Deserialize, Serialize};
 
@@ -51,7 +51,7 @@ pub trait Store: Archived {
 
     /// Reads ray slot `j` of a section's plane, `at`, and of its plane `below`, if there is one; `kept` says that `below` is the plane
     /// kept from the section's start.
-    fn read(&self, at: [usize; 2], below: Option<usize>, kept: bool, j: usize, output: &mut Self::Output);
+    fn read(&self, at: [u32; 2], below: Option<u32>, kept: bool, j: usize, output: &mut Self::Output);
 }
 
 /// Buffers for timing alone.
@@ -66,7 +66,7 @@ impl Store for NoPlanes {
     fn write(&mut self, _: &Beam<()>) {}
 
     #[inline(always)]
-    fn read(&self, _: [usize; 2], _: Option<usize>, _: bool, _: usize, _: &mut ()) {}
+    fn read(&self, _: [u32; 2], _: Option<u32>, _: bool, _: usize, _: &mut ()) {}
 }
 
 impl Archived for NoPlanes {
@@ -81,11 +81,11 @@ impl Store for PlaneStore {
 
     fn write(&mut self, beam: &Beam<VoxelBeam>) {
         let voxels = beam.row.map(|_| beam.data.0.as_slice());
-        let [section, plane, depth] = [beam.section, beam.plane, beam.depth].map(|i| i as usize);
-        PlaneStore::write(self, section, plane, depth, voxels);
+        let Beam { section, plane, depth, .. } = *beam;
+        PlaneStore::write(self, BeamPlace { section, plane, depth }, voxels);
     }
 
-    fn read(&self, [section, plane]: [usize; 2], below: Option<usize>, kept: bool, j: usize, output: &mut RayVoxels) {
+    fn read(&self, [section, plane]: [u32; 2], below: Option<u32>, kept: bool, j: usize, output: &mut RayVoxels) {
         let (plane, below) = (self.plane(section, plane), below.map(|below| self.plane(section, below)));
         if self.has_cells() {
             for (copy, ray) in [&mut output.current, &mut output.below].into_iter().enumerate() {
@@ -109,45 +109,19 @@ impl Store for PlaneStore {
 /// Data sheet of the skewed buffers for one frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DsbSpec {
+    /// The order of the beams that are written and of the rays that are read. A whole beam is written in [`Schedule::aligned_cycles`]:
+    /// where slots need their own cells, the four words of a slot side by side.
+    pub schedule: Schedule,
     /// Planes in the ring.
     pub planes: usize,
-    /// Cycles to write a whole beam: ⌈n_u / lanes⌉; where slots need their own cells, ⌈slots / lanes⌉, the four words of a slot side by
-    /// side.
-    pub write_cycles: u64,
-    /// Cycles to read a ray: ⌈n_w / lanes⌉.
-    pub read_cycles: u64,
-    /// Beams of a plane.
-    pub depths: u32,
-    /// Ray slots of a plane.
-    pub slots: u32,
-    /// Planes of the frame.
-    pub frame_planes: u32,
-    /// Whether the last plane is read with the first.
-    pub closes: bool,
     /// Ports of a module, which holds its part of every plane: 2 write and read in the same cycle, 1 does one of the two.
     pub ports: usize,
-    /// Sections in which the slots are taken.
-    pub sections: Sections,
-    /// Modules.
-    pub lanes: usize,
 }
 
 impl DsbSpec {
-    /// The data sheet for a machine and the geometry of a frame.
-    pub fn new(machine: &MachineSpec, geometry: &Geometry) -> DsbSpec {
-        let [slots, frame_planes] = geometry.slot_counts();
-        DsbSpec {
-            planes: machine.dsb.planes,
-            write_cycles: if geometry.doubled() { slots } else { geometry.size[0] }.div_ceil(machine.lanes) as u64,
-            read_cycles: geometry.size[2].div_ceil(machine.lanes) as u64,
-            depths: geometry.size[2] as u32,
-            slots: slots as u32,
-            frame_planes: frame_planes as u32,
-            closes: geometry.closes()[1],
-            ports: machine.dsb.ports,
-            sections: Sections::of(machine, geometry),
-            lanes: machine.lanes,
-        }
+    /// The data sheet for a machine and a frame, which has this schedule there.
+    pub fn new(machine: &MachineSpec, schedule: Schedule) -> DsbSpec {
+        DsbSpec { schedule, planes: machine.dsb.planes, ports: machine.dsb.ports }
     }
 
     /// Cycles to write a beam of a section.
@@ -155,16 +129,11 @@ impl DsbSpec {
     fn cycles_of<D>(&self, beam: &Beam<D>) -> u64 {
         if beam.row.is_none() {
             1
-        } else if self.sections.is_whole() {
-            self.write_cycles
+        } else if self.schedule.sections().is_whole() {
+            self.schedule.aligned_cycles()
         } else {
-            u64::from(beam.voxels).div_ceil(self.lanes as u64)
+            self.schedule.piece_cycles(beam.voxels)
         }
-    }
-
-    /// Planes of a frame, those of all sections.
-    fn planes_of_frame(&self) -> u64 {
-        self.sections.count() as u64 * u64::from(self.frame_planes)
     }
 }
 
@@ -197,12 +166,8 @@ struct State {
     write_spent: u64,
     /// Frame that is being read.
     frame: u32,
-    /// Section of that frame.
-    section: u32,
-    /// Plane of that section that is being read.
-    plane: u32,
-    /// Ray slot that is next.
-    slot: u32,
+    /// The ray that is next.
+    place: RayPlace,
     /// Cycles spent on the ray at the read port.
     read_spent: u64,
 }
@@ -218,8 +183,8 @@ impl<S: Store> DsbUnit<S> {
         let (mut planes, mut sections) = (0, 0);
         let frame = |(spec, memory): (DsbSpec, S)| {
             let before = (planes, sections);
-            planes += spec.planes_of_frame();
-            sections += spec.sections.count() as u32;
+            planes += spec.schedule.planes_of_frame();
+            sections += spec.schedule.sections().count() as u32;
             DsbFrame { spec, memory, base: before.0, sections: before.1 }
         };
         let frames: Vec<DsbFrame<S>> = parts.into_iter().map(frame).collect();
@@ -267,7 +232,7 @@ impl<S: Store> DsbUnit<S> {
             return Activity::Busy;
         }
         memory.write(beam);
-        self.state.written += u64::from(beam.depth + 1 == spec.depths);
+        self.state.written += u64::from(spec.schedule.is_last_depth(beam.depth));
         self.state.write_spent = 0;
         aligned.pop_slot();
         Activity::Busy
@@ -278,8 +243,9 @@ impl<S: Store> DsbUnit<S> {
     #[inline]
     fn has_buffer<D>(&self, beam: &Beam<D>) -> bool {
         let DsbFrame { spec, base, sections, .. } = &self.frames[beam.frame as usize];
-        let ahead = base + u64::from(beam.section * spec.frame_planes + beam.plane) - self.released();
-        let reading = self.frames.get(self.state.frame as usize).map_or(0, |frame| frame.sections) + self.state.section;
+        let ahead = base + spec.schedule.plane_number(beam.section, beam.plane) - self.released();
+        let reading = self.frames.get(self.state.frame as usize).map_or(0, |frame| frame.sections);
+        let reading = reading + self.state.place.section;
         let next = self.state.frame as usize == self.frames.len() || sections + beam.section <= reading + 1;
         ahead < spec.planes as u64 && next
     }
@@ -287,52 +253,38 @@ impl<S: Store> DsbUnit<S> {
     /// Planes read out, over all frames.
     #[inline]
     fn released(&self) -> u64 {
-        let State { frame, section, plane, .. } = self.state;
+        let State { frame, place: RayPlace { section, plane, .. }, .. } = self.state;
         match self.frames.get(frame as usize) {
-            Some(DsbFrame { spec, base, .. }) => base + u64::from(section * spec.frame_planes + plane),
-            None => self.frames.last().map_or(0, |DsbFrame { spec, base, .. }| base + spec.planes_of_frame()),
+            Some(DsbFrame { spec, base, .. }) => base + spec.schedule.plane_number(section, plane),
+            None => self.frames.last().map_or(0, |DsbFrame { spec, base, .. }| base + spec.schedule.planes_of_frame()),
         }
     }
 
     #[inline]
     fn read(&mut self, rays: &mut Channel<RayPair<S::Output>>) -> Activity {
-        let State { frame, section, plane, slot, written, .. } = self.state;
+        let State { frame, place, written, .. } = self.state;
+        let RayPlace { section, plane, slot } = place;
         let Some(DsbFrame { spec, memory, base, .. }) = self.frames.get(frame as usize) else {
             return Activity::Starved;
         };
-        let last = plane + 1 == spec.frame_planes;
-        let needed = section * spec.frame_planes + if last { plane + 1 } else { plane + 2 };
-        if written < base + u64::from(needed) {
+        let schedule = &spec.schedule;
+        if written < base + schedule.planes_read(section, plane) {
             return Activity::Starved;
         }
-        if self.state.read_spent + 1 < spec.read_cycles {
+        if self.state.read_spent + 1 < schedule.ray_cycles() {
             self.state.read_spent += 1;
             return Activity::Busy;
         }
         let Some(pair) = rays.push_slot() else {
             return rays.refusal();
         };
-        let below = if last { spec.closes.then_some(0) } else { Some(plane as usize + 1) };
+        let kept = schedule.is_last_plane(plane);
         pair.frame = frame;
         pair.plane = plane;
         pair.slot = slot;
-        memory.read([section, plane].map(|i| i as usize), below, last, slot as usize, &mut pair.data);
+        memory.read([section, plane], schedule.below(plane), kept, slot as usize, &mut pair.data);
         self.state.read_spent = 0;
-        self.state.slot += 1;
-        if self.state.slot as usize == spec.sections.end(section as usize) {
-            let slots = spec.sections.slots(section as usize);
-            self.state.slot = slots.start as u32;
-            self.state.plane += 1;
-            if last {
-                self.state.plane = 0;
-                self.state.section += 1;
-                self.state.slot = slots.end as u32;
-            }
-            if self.state.section as usize == spec.sections.count() {
-                (self.state.section, self.state.slot) = (0, 0);
-                self.state.frame += 1;
-            }
-        }
+        self.state.frame += u32::from(schedule.next_ray(&mut self.state.place));
         Activity::Busy
     }
 
@@ -360,8 +312,8 @@ impl<S: Store> DsbUnit<S> {
         if aligned.front().is_some_and(|beam| !self.has_buffer(beam)) {
             waits.push(wait(Self::WRITE, "plane buffers", PortState::Full, Self::READ));
         }
-        let needed = self.state.section * spec.frame_planes + (self.state.plane + 2).min(spec.frame_planes);
-        if self.state.written < base + u64::from(needed) {
+        let RayPlace { section, plane, .. } = self.state.place;
+        if self.state.written < base + spec.schedule.planes_read(section, plane) {
             waits.push(wait(Self::READ, "the plane below", PortState::Empty, Self::WRITE));
         }
         waits

@@ -50,9 +50,10 @@ proptest! {
         let voxels: Vec<u16> = (1..=dims.iter().product::<usize>() as u16).collect();
         let memory = FrameBuffer::new(Skew { coefficients: skew, lanes }, dims, &voxels).unwrap();
 
-        let mut cfb = CfbUnit::new(vec![CfbSpec::new(&machine, geometry, Schedule::new(&machine, geometry))], memory);
-        let mut bus = BusUnit::new(&machine, [geometry], Rotator { lanes });
-        let mut dsb = DsbUnit::new([(DsbSpec::new(&machine, geometry), PlaneStore::new(geometry, lanes, planes))]);
+        let schedule = Schedule::new(&machine, geometry);
+        let mut cfb = CfbUnit::new(vec![CfbSpec::new(&machine, geometry, schedule)], memory);
+        let mut bus = BusUnit::new(&machine, [schedule], Rotator { lanes });
+        let mut dsb = DsbUnit::new([(DsbSpec::new(&machine, schedule), PlaneStore::new(schedule, planes))]);
         let mut beams = Channel::<Beam<VoxelBeam>>::new("beams", 3, 2).unwrap();
         let mut aligned = Channel::<Beam<VoxelBeam>>::new("aligned", 2, 1).unwrap();
         let mut out = Channel::<RayPair<RayVoxels>>::new("rays", 2, 1).unwrap();

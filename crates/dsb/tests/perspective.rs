@@ -5,7 +5,7 @@ use cube3_cfb::golden::output_lane;
 use cube3_cfb::{Beam, VoxelBeam};
 use cube3_channel::{Archive, ArchiveError};
 use cube3_dsb::{PlaneStore, RayVoxels, Rotator, Store};
-use cube3_frame::{FrameSetup, Geometry};
+use cube3_frame::{FrameSetup, Geometry, Schedule};
 use cube3_host::{VolumeInfo, picture_setup};
 use cube3_machine::MachineSpec;
 use cube3_scene::{Perspective, Scene, View};
@@ -65,7 +65,7 @@ fn expected(geometry: &Geometry, lanes: usize, plane: usize, slot: usize, side: 
 
 fn assert_frame(geometry: &Geometry, lanes: usize) {
     let [slots, planes] = geometry.slot_counts();
-    let mut store = PlaneStore::new(geometry, lanes, 2);
+    let mut store = PlaneStore::new(Schedule::of(geometry, lanes, None), 2);
     let mut out = RayVoxels::default();
     write_plane(geometry, lanes, 0, &mut store);
     for plane in 0..planes {
@@ -74,13 +74,14 @@ fn assert_frame(geometry: &Geometry, lanes: usize) {
         }
         for slot in 0..slots {
             let side = |side| expected(geometry, lanes, plane, slot, side);
-            let below = Some(plane + 1).filter(|&below| below < planes);
-            Store::read(&store, [0, plane], below, false, slot, &mut out);
+            let below = (plane + 1 < planes).then_some(plane as u32 + 1);
+            Store::read(&store, [0, plane as u32], below, false, slot, &mut out);
             if geometry.doubled() {
                 assert_eq!(out.current, [side(0), side(1)].concat(), "plane {plane}, slot {slot}");
                 assert_eq!(out.below, [side(2), side(3)].concat(), "below plane {plane}, slot {slot}");
             } else {
-                let below = below.map_or(vec![0; out.current.len()], |below| expected(geometry, lanes, below, slot, 0));
+                let below = below
+                    .map_or(vec![0; out.current.len()], |below| expected(geometry, lanes, below as usize, slot, 0));
                 assert_eq!(out.current, side(0), "plane {plane}, slot {slot}");
                 assert_eq!(out.below, below, "below plane {plane}, slot {slot}");
             }
@@ -126,11 +127,11 @@ fn a_saved_store_comes_back_into_one_of_its_size_and_no_other() {
     let of = |n: usize| frames(&machine, [n; 3], [3.5, 3.5, -2.0], [0.0, 0.0, 1.0]).remove(0).geometry;
     let geometry = of(8);
     let [slots, _] = geometry.slot_counts();
-    let mut store = PlaneStore::new(&geometry, lanes, 2);
+    let mut store = PlaneStore::new(Schedule::of(&geometry, lanes, None), 2);
     write_plane(&geometry, lanes, 2, &mut store);
     write_plane(&geometry, lanes, 3, &mut store);
     let bytes = Archive::save(&mut store).unwrap();
-    let mut other = PlaneStore::new(&geometry, lanes, 2);
+    let mut other = PlaneStore::new(Schedule::of(&geometry, lanes, None), 2);
     Archive::restore(&bytes, &mut other).unwrap();
     for slot in 0..slots {
         let [mut saved, mut restored] = [RayVoxels::default(), RayVoxels::default()];
@@ -139,6 +140,6 @@ fn a_saved_store_comes_back_into_one_of_its_size_and_no_other() {
         assert!(slot != slots / 2 || saved.current.iter().any(|&word| word != 0));
         assert_eq!(saved, restored);
     }
-    let mut smaller = PlaneStore::new(&of(7), lanes, 2);
+    let mut smaller = PlaneStore::new(Schedule::of(&of(7), lanes, None), 2);
     assert!(matches!(Archive::restore(&bytes, &mut smaller), Err(ArchiveError::Length { .. })));
 }

@@ -10,7 +10,7 @@ use cube3_cfb::Beam;
 use cube3_channel::{Account, Activity, Channel, PortState, Reason, diagnose};
 use cube3_dsb::bus::{BusUnit, NoBus};
 use cube3_dsb::{DsbSpec, DsbUnit, Links, NoPlanes, RayPair};
-use cube3_frame::{FrameSetup, Sections};
+use cube3_frame::{FrameSetup, FrameShape, Schedule};
 use cube3_host::{VolumeInfo, frame_setup, picture_setup};
 use cube3_machine::{Boards, Bus, MachineSpec};
 use cube3_scene::{Perspective, Scene, View};
@@ -22,21 +22,24 @@ fn setup(machine: &MachineSpec, dims: [usize; 3]) -> FrameSetup {
     frame_setup(&scene, machine, &volume, true).unwrap().setup
 }
 
-/// A frame of `frame_planes` planes of n beams and n ray slots.
-fn spec(n: u32, frame_planes: u32, planes: usize) -> DsbSpec {
-    let sections = Sections::of_slots(n as usize, None);
-    DsbSpec {
-        planes,
-        write_cycles: 1,
-        read_cycles: 1,
-        depths: n,
+/// A frame of `frame_planes` planes of n beams and n ray slots on n lanes.
+fn shape(n: u32, frame_planes: u32) -> FrameShape {
+    let n = n as usize;
+    FrameShape {
         slots: n,
-        frame_planes,
-        closes: false,
-        ports: 2,
-        sections,
-        lanes: n as usize,
+        planes: frame_planes as usize,
+        depths: n,
+        columns: n,
+        closes: [false; 2],
+        doubled: false,
+        lanes: n,
+        section: None,
     }
+}
+
+/// Buffers of so many planes for it.
+fn spec(n: u32, frame_planes: u32, planes: usize) -> DsbSpec {
+    DsbSpec { schedule: Schedule::of_shape(shape(n, frame_planes)), planes, ports: 2 }
 }
 
 /// The buffers between their channels, with a beam offered in every cycle.
@@ -64,12 +67,17 @@ impl Bench {
         }
     }
 
+    fn shape(&self) -> FrameShape {
+        *self.spec.schedule.shape()
+    }
+
     /// One cycle; whether anything moved.
     fn tick(&mut self, drained: bool, row: impl Fn(u32) -> Option<u32>) -> bool {
-        if self.offered < self.spec.frame_planes * self.spec.depths
+        let [planes, depths] = [self.shape().planes, self.shape().depths].map(|count| count as u32);
+        if self.offered < planes * depths
             && let Some(beam) = self.aligned.push_slot()
         {
-            (beam.plane, beam.depth) = (self.offered / self.spec.depths, self.offered % self.spec.depths);
+            (beam.plane, beam.depth) = (self.offered / depths, self.offered % depths);
             beam.row = row(self.offered);
             self.offered += 1;
         }
@@ -146,19 +154,22 @@ fn with_two_planes_the_ports_take_turns() {
 #[test]
 fn ports_take_their_cycles_over_the_lanes() {
     for (write_cycles, read_cycles) in [(1, 3), (3, 1), (2, 2)] {
-        let spec = DsbSpec { write_cycles, read_cycles, ..spec(4, 3, 3) };
-        let bench = Bench::new(spec, 2).run();
+        let [columns, depths] = [write_cycles, read_cycles].map(|cycles| 2 * cycles as usize);
+        let schedule = Schedule::of_shape(FrameShape { lanes: 2, columns, depths, ..shape(4, 3) });
+        let bench = Bench::new(DsbSpec { schedule, ..spec(4, 3, 3) }, 2).run();
         // Beam m is written in cycle (m + 1)·w; the pair takes r cycles from the one after the second plane.
-        assert_eq!(bench.left[0], 8 * write_cycles + read_cycles, "{write_cycles}, {read_cycles}");
+        let beams = 2 * read_cycles;
+        assert_eq!(bench.left[0], 2 * beams * write_cycles + read_cycles, "{write_cycles}, {read_cycles}");
         assert!(bench.left.windows(2).all(|pair| pair[1] - pair[0] >= read_cycles));
         let [write, read] = bench.unit.accounts();
-        assert_eq!((write.busy, read.busy), (12 * write_cycles, 12 * read_cycles));
+        assert_eq!((write.busy, read.busy), (3 * beams * write_cycles, 12 * read_cycles));
     }
 }
 
 #[test]
 fn a_beam_without_voxels_takes_one_cycle() {
-    let mut bench = Bench::new(DsbSpec { write_cycles: 4, ..spec(6, 1, 3) }, 2);
+    let schedule = Schedule::of_shape(FrameShape { columns: 4 * 6, ..shape(6, 1) });
+    let mut bench = Bench::new(DsbSpec { schedule, ..spec(6, 1, 3) }, 2);
     while bench.left.is_empty() {
         bench.tick(true, |beam| (beam % 2 == 0).then_some(beam));
     }
@@ -228,7 +239,7 @@ fn the_bus_takes_a_beam_as_long_as_its_lanes_need() {
     for (n, lanes, cycles) in [(8, 8, 1), (9, 8, 2), (7, 2, 4), (1, 3, 1)] {
         let machine = MachineSpec { lanes, ..MachineSpec::default() };
         let setup = setup(&machine, [n, 1, 1]);
-        let mut bus = BusUnit::new(&machine, [&setup.geometry], NoBus);
+        let mut bus = BusUnit::new(&machine, [Schedule::new(&machine, &setup.geometry)], NoBus);
         let mut beams = Channel::<Beam<()>>::new("beams", 2, 1).unwrap();
         let mut aligned = Channel::<Beam<()>>::new("aligned", 2, 1).unwrap();
         let (mut offered, mut left) = (0, Vec::new());
@@ -263,7 +274,7 @@ fn the_bus_takes_a_beam_as_long_as_its_lanes_need() {
 fn the_bus_is_blocked_while_nobody_takes_its_beam() {
     let machine = MachineSpec { lanes: 8, ..MachineSpec::default() };
     let setup = setup(&machine, [8, 1, 1]);
-    let mut bus = BusUnit::new(&machine, [&setup.geometry], NoBus);
+    let mut bus = BusUnit::new(&machine, [Schedule::new(&machine, &setup.geometry)], NoBus);
     let mut beams = Channel::<Beam<()>>::new("beams", 2, 1).unwrap();
     let mut aligned = Channel::<Beam<()>>::new("aligned", 1, 1).unwrap();
     for cycle in 0..20 {
@@ -283,7 +294,7 @@ fn through_the_bus(machine: &MachineSpec, dims: [usize; 3], beams: u32) -> (Vec<
 }
 
 fn beams_through_the_bus(machine: &MachineSpec, setup: &FrameSetup, beams: u32) -> (Vec<u64>, BusUnit<NoBus>) {
-    let mut bus = BusUnit::new(machine, [&setup.geometry], NoBus);
+    let mut bus = BusUnit::new(machine, [Schedule::new(machine, &setup.geometry)], NoBus);
     let mut input = Channel::<Beam<()>>::new("beams", 2, 1).unwrap();
     let mut aligned = Channel::<Beam<()>>::new("aligned", 2, 1).unwrap();
     let (mut offered, mut left) = (0, Vec::new());
@@ -351,7 +362,7 @@ fn a_beam_waits_for_the_slices_that_its_words_need() {
 /// could be taken, the bus, and the links.
 fn over_the_links(machine: &MachineSpec, n: usize) -> (Vec<u64>, BusUnit<NoBus>, Links) {
     let setup = setup(machine, [n, n, 1]);
-    let mut bus = BusUnit::new(machine, [&setup.geometry], NoBus);
+    let mut bus = BusUnit::new(machine, [Schedule::new(machine, &setup.geometry)], NoBus);
     let mut links = Links::new(machine).unwrap();
     let mut input = Channel::<Beam<()>>::new("beams", 2, 1).unwrap();
     let mut aligned = Channel::<Beam<()>>::new("aligned", n + 1, 1).unwrap();
@@ -487,10 +498,12 @@ fn a_near_eyes_beam_is_gathered_four_times_for_all_slots_and_a_far_ones_once() {
         assert_eq!(counters.words, (12 * gathers * words) as u64);
 
         // The buffers take the four words of a slot at once.
-        let spec = DsbSpec::new(&machine, &setup.geometry);
-        assert_eq!((spec.write_cycles, spec.read_cycles), (words.div_ceil(lanes) as u64, n.div_ceil(lanes) as u64));
-        assert_eq!((spec.slots, spec.frame_planes, spec.depths), (slots as u32, planes as u32, n as u32));
-        assert!(!spec.closes);
+        let schedule = Schedule::new(&machine, &setup.geometry);
+        let cycles = [schedule.aligned_cycles(), schedule.ray_cycles()];
+        assert_eq!(cycles, [words, n].map(|words| words.div_ceil(lanes) as u64));
+        let shape = schedule.shape();
+        assert_eq!([shape.slots, shape.planes, shape.depths], [slots, planes, n]);
+        assert_eq!(shape.closes, [false; 2]);
     }
 }
 

@@ -32,5 +32,5 @@ pub use registers::{
     LinearFactor, Normaliser, Phong, PhongLight, RayRegisters, ReflectanceTable, Shading,
 };
 pub use sample_bounds::{BESIDE, RayStretches, SampleBounds};
-pub use schedule::{Bands, BeamPlace, FrameShape, Neighbours, RayPlace, Schedule, Sections};
+pub use schedule::{Bands, BeamPlace, FrameShape, RayPlace, Schedule, Sections, ShadingOrder};
 pub use template::{LARGEST_SIDE, SLOPE_FRACTION_BITS, Template, slope_register};

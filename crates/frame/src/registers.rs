@@ -1,7 +1,7 @@
 //! `FrameSetup`: what a driver writes into the machine's registers and tables. Nothing else enters the machine.
 
 use crate::perspective::PLACE_BITS;
-use crate::{EndRegisters, Geometry};
+use crate::{EndRegisters, Geometry, Schedule, ShadingOrder};
 use cube3_machine::{ConeOrder, GradientMethod, Reuse};
 use cube3_scene::{MOST_CUTS, Mode};
 use cube3_word::Words;
@@ -51,6 +51,12 @@ impl FrameSetup {
     /// Planes of the ring on a machine of so many: two more for each ray and plane by which neighbours are farther than the next.
     pub fn ring(&self, planes: usize) -> usize {
         planes + 2 * (self.most_reach() - 1)
+    }
+
+    /// The order in which rays are shaded on a machine where the frame has this schedule: those of a frame with a gradient wait for their
+    /// neighbours.
+    pub fn shading_order(&self, schedule: &Schedule) -> ShadingOrder {
+        schedule.shading_order(self.most_reach(), self.gradient.is_some())
     }
 
     /// The farthest of them in rays, at any depth.

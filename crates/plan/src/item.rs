@@ -98,8 +98,9 @@ impl Frame<'_> {
             operators::gradient(method, words) + operators::gradient_word(words, method.row().extra_bits()) + scale;
         let schedule = self.schedule();
         let ring = setup.ring(machine.abc.planes);
-        let samples = schedule.samples_kept(ring, machine.frames.overlap) + schedule.overlap_samples();
-        let wait = |buffered| schedule.neighbours(setup.most_reach(), buffered).first_wait();
+        let firsts = if schedule.shape().closes[1] { schedule.first_samples(machine.frames.overlap) } else { 0 };
+        let samples = schedule.sample_planes(ring) + firsts + schedule.overlap_samples();
+        let wait = |buffered| schedule.shading_order(setup.most_reach(), buffered).first_wait();
         let cycles = schedule.ray_cycles() * (wait(true) - wait(false));
         let bits = samples * u64::from(words.sample_bits());
         self.item(Rule::GradientUnit, "nothing in this scene reads a gradient", operators, bits, cycles)

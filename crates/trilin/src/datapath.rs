@@ -4,7 +4,7 @@ use crate::lanes::TrilinLanes;
 use crate::unit::Interpolate;
 use cube3_channel::{Archive, ArchiveError, Archived};
 use cube3_dsb::{RayPair, RayVoxels};
-use cube3_frame::{BESIDE, FrameSetup, Geometry, Perspective, SampleBounds, Sections};
+use cube3_frame::{BESIDE, FrameSetup, FrameShape, Geometry, Perspective, SampleBounds, Schedule};
 use cube3_machine::Reuse;
 use cube3_word::{BLOCK, Block};
 use serde::{Deserialize, Serialize};
@@ -79,7 +79,7 @@ fn copy_pair(to: &mut [Held; 2], from: &[Held; 2]) {
 /// The interpolators with their registers.
 #[derive(Clone, Debug)]
 pub struct Interpolator {
-    lanes: usize,
+    schedule: Schedule,
     arithmetic: TrilinLanes,
     reuse: Reuse,
     /// Words of a row: the depths, filled up to whole blocks.
@@ -104,24 +104,10 @@ pub struct Interpolator {
 /// The overlap buffers: of every plane the pairs of rays that other sections need. The hardware keeps of each plane one ray.
 #[derive(Clone, Debug)]
 struct Overlap {
-    sections: Sections,
     /// The last of the section before.
     borders: Vec<[Held; 2]>,
     /// The first of the plane; none where slots are not shared.
     firsts: Vec<[Held; 2]>,
-}
-
-impl Overlap {
-    /// Whether a slot is the first of a section behind another.
-    fn continues(&self, slot: usize) -> bool {
-        slot > 0 && self.sections.slots(self.sections.section(slot)).start == slot
-    }
-
-    /// Whether a slot is the last of a section before another.
-    fn breaks_off(&self, slot: usize) -> bool {
-        self.sections.slots(self.sections.section(slot)).end == slot + 1
-            && self.sections.section(slot) + 1 < self.sections.count()
-    }
 }
 
 /// Which samples of a parallel frame lie in the volume: a bit for each depth.
@@ -138,10 +124,9 @@ struct Bounds {
 }
 
 impl Bounds {
-    fn new(geometry: &Geometry) -> Option<Bounds> {
+    fn new(geometry: &Geometry, slots: usize) -> Option<Bounds> {
         let bounds = SampleBounds::new(geometry)?;
         let words = geometry.size[2].div_ceil(BLOCK);
-        let [slots, _] = geometry.slot_counts();
         let mut new = Bounds {
             bounds,
             along_u: vec![0; slots * words],
@@ -188,15 +173,18 @@ struct Rows {
 }
 
 impl Interpolator {
-    /// Interpolators for a frame.
-    pub fn new(setup: &FrameSetup, lanes: usize) -> Interpolator {
+    /// Interpolators for a frame, which has this schedule.
+    pub fn new(setup: &FrameSetup, schedule: Schedule) -> Interpolator {
         let geometry = &setup.geometry;
         let keeps_planes = matches!(setup.reuse, Reuse::Plane | Reuse::Both);
-        let [slots, _] = geometry.slot_counts();
+        let FrameShape { slots, planes, closes: [closes, _], .. } = *schedule.shape();
         let row = geometry.size[2].div_ceil(BLOCK) * BLOCK;
         let rays = if geometry.doubled() { 2 } else { 1 };
         let held = || [Held::new(rays, row), Held::new(rays, row)];
         let empty = || vec![0; row];
+        let each = |planes| vec![[Held::new(1, row), Held::new(1, row)]; planes];
+        let overlap = (!schedule.sections().is_whole())
+            .then(|| Overlap { borders: each(planes), firsts: each(if closes { planes } else { 0 }) });
         let mut weights = [vec![0; row], vec![0; row]];
         if geometry.perspective.is_none() {
             for (row, template) in weights.iter_mut().zip([&geometry.u, &geometry.v]) {
@@ -205,33 +193,20 @@ impl Interpolator {
             }
         }
         Interpolator {
-            lanes,
+            schedule,
             arithmetic: TrilinLanes::new(&setup.words),
             reuse: setup.reuse,
             row,
             first: held(),
             before: held(),
             newest: held(),
-            overlap: None,
+            overlap,
             sides: vec![empty(); if keeps_planes { slots } else { 0 }],
             lerps: 0,
             weights,
-            bounds: Bounds::new(geometry),
+            bounds: Bounds::new(geometry, slots),
             rows: Rows { words: vec![0; row + BLOCK], edges: [empty(), empty()], lerped: [empty(), empty()] },
         }
-    }
-
-    /// The same for a frame that is taken in sections.
-    #[must_use]
-    pub fn in_sections(mut self, geometry: &Geometry, sections: Sections) -> Interpolator {
-        let [_, planes] = geometry.slot_counts();
-        let held = |planes| vec![[Held::new(1, self.row), Held::new(1, self.row)]; planes];
-        self.overlap = (!sections.is_whole()).then(|| Overlap {
-            sections,
-            borders: held(planes),
-            firsts: held(if geometry.closes()[0] { planes } else { 0 }),
-        });
-        self
     }
 
     /// Lerps of whole rays done so far.
@@ -295,11 +270,12 @@ impl Interpolate for Interpolator {
         std::mem::swap(&mut self.before, &mut self.newest);
         let (plane, slot) = (pair.plane as usize, pair.slot as usize);
         if let Some(overlap) = &self.overlap
-            && overlap.continues(slot)
+            && self.schedule.sections().continues(slot)
         {
             copy_pair(&mut self.before, &overlap.borders[plane]);
         }
         let keeps_rays = self.keeps_rays();
+        let words_of_ray = self.schedule.ray_words();
         // Where lerps of planes are kept, those of the current one have been made already; a cell of its own shares none.
         let current_needed = self.sides.is_empty() || pair.plane == 0 || doubled;
         for (i, ray) in [&pair.data.current, &pair.data.below].into_iter().enumerate() {
@@ -313,7 +289,7 @@ impl Interpolate for Interpolator {
                 self.lerps += 1;
                 continue;
             }
-            let rays = ray.chunks(depths.div_ceil(self.lanes) * self.lanes);
+            let rays = ray.chunks(words_of_ray);
             for (ray, voxels) in rays.zip(held.voxels.chunks_mut(self.row + BLOCK)) {
                 words[..depths].copy_from_slice(&ray[..depths]);
                 self.arithmetic.lift_ray(words, voxels);
@@ -323,7 +299,7 @@ impl Interpolate for Interpolator {
             copy_pair(&mut self.first, &self.newest);
         }
         if let Some(overlap) = &mut self.overlap {
-            if overlap.breaks_off(slot) {
+            if self.schedule.sections().breaks_off(slot) {
                 copy_pair(&mut overlap.borders[plane], &self.newest);
             }
             if slot == 0
@@ -336,11 +312,10 @@ impl Interpolate for Interpolator {
 
     fn give(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut RaySamples) {
         let geometry = &setup.geometry;
-        let [slots, _] = geometry.slot_counts();
-        if slot + 1 == slots {
+        if self.schedule.is_last_slot(slot as u32) {
             // The newest pair is the last of the plane: it becomes the one before.
             std::mem::swap(&mut self.before, &mut self.newest);
-            if geometry.closes()[0] {
+            if self.schedule.shape().closes[0] {
                 let kept = self.overlap.as_ref().and_then(|overlap| overlap.firsts.get(plane));
                 copy_pair(&mut self.newest, kept.unwrap_or(&self.first));
             } else {
@@ -408,7 +383,7 @@ impl Interpolator {
 impl Archived for Interpolator {
     fn archive(&mut self, archive: &mut Archive<'_>) -> Result<(), ArchiveError> {
         let Interpolator {
-            lanes: _,
+            schedule: _,
             arithmetic: _,
             reuse: _,
             row: _,
@@ -425,7 +400,7 @@ impl Archived for Interpolator {
         archive.item(first)?;
         archive.item(before)?;
         archive.item(newest)?;
-        if let Some(Overlap { sections: _, borders, firsts }) = overlap {
+        if let Some(Overlap { borders, firsts }) = overlap {
             archive.list(borders)?;
             archive.list(firsts)?;
         }

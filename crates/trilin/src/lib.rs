@@ -12,4 +12,4 @@ pub mod lanes;
 mod unit;
 
 pub use datapath::{Interpolator, RaySamples, SampleBlock};
-pub use unit::{Interpolate, NoSamples, SampleRay, TrilinSpec, TrilinUnit};
+pub use unit::{Interpolate, NoSamples, SampleRay, TrilinUnit};

@@ -11,8 +11,7 @@
 
 use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, Payload};
 use cube3_dsb::RayPair;
-use cube3_frame::{FrameSetup, Geometry, Sections};
-use cube3_machine::MachineSpec;
+use cube3_frame::{FrameSetup, Schedule};
 use serde::{Deserialize, Serialize};
 
 /// A slot of continuous rays.
@@ -68,35 +67,11 @@ impl Archived for NoSamples {
     }
 }
 
-/// Data sheet of the interpolators for one frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TrilinSpec {
-    /// Cycles of a ray: ⌈n_w / lanes⌉.
-    pub ray_cycles: u64,
-    /// Ray slots of a plane.
-    pub slots: u32,
-    /// Planes of the frame.
-    pub planes: u32,
-    /// Whether planes are taken whole. If not, the last ray of a plane takes the cycles of a ray for itself: the section's first pair of
-    /// the next plane finishes a ray, too.
-    pub whole: bool,
-}
-
-impl TrilinSpec {
-    /// The data sheet for a machine and the geometry of a frame.
-    pub fn new(machine: &MachineSpec, geometry: &Geometry) -> TrilinSpec {
-        let [slots, planes] = geometry.slot_counts();
-        let ray_cycles = geometry.size[2].div_ceil(machine.lanes) as u64;
-        let whole = Sections::of(machine, geometry).is_whole();
-        TrilinSpec { ray_cycles, slots: slots as u32, planes: planes as u32, whole }
-    }
-}
-
 /// The interpolation unit.
 #[derive(Clone, Debug)]
 pub struct TrilinUnit<I> {
-    /// Data sheet and arithmetic of each frame.
-    frames: Vec<(TrilinSpec, I)>,
+    /// Schedule and arithmetic of each frame.
+    frames: Vec<(Schedule, I)>,
     state: State,
     account: Account,
 }
@@ -115,8 +90,8 @@ impl<I: Interpolate> TrilinUnit<I> {
     /// The unit's name.
     pub const NAME: &'static str = "trilin";
 
-    /// Interpolators at the start of the first frame: a data sheet and the arithmetic for each.
-    pub fn new(parts: impl IntoIterator<Item = (TrilinSpec, I)>) -> TrilinUnit<I> {
+    /// Interpolators at the start of the first frame: the schedule and the arithmetic for each.
+    pub fn new(parts: impl IntoIterator<Item = (Schedule, I)>) -> TrilinUnit<I> {
         TrilinUnit { frames: parts.into_iter().collect(), state: State::default(), account: Account::default() }
     }
 
@@ -141,8 +116,11 @@ impl<I: Interpolate> TrilinUnit<I> {
     ) -> Activity {
         let mut activity = Activity::Starved;
         if let Some([frame, plane]) = self.state.closing {
-            let spec = self.frames[frame as usize].0;
-            if !spec.whole && self.state.spent + 1 < spec.ray_cycles {
+            let (schedule, _) = &self.frames[frame as usize];
+            // Where there are sections, the section's first pair of the next plane finishes a ray, too: the last ray of a plane then takes the
+            // cycles of a ray for itself.
+            let whole = schedule.sections().is_whole();
+            if !whole && self.state.spent + 1 < schedule.ray_cycles() {
                 self.state.spent += 1;
                 return Activity::Busy;
             }
@@ -150,9 +128,10 @@ impl<I: Interpolate> TrilinUnit<I> {
                 return samples.refusal();
             };
             self.state.closing = None;
-            self.give(frames, [frame, plane, spec.slots - 1], output);
+            let last = schedule.shape().slots as u32 - 1;
+            self.give(frames, [frame, plane, last], output);
             activity = Activity::Busy;
-            if !spec.whole {
+            if !whole {
                 self.state.spent = 0;
                 return activity;
             }
@@ -161,15 +140,15 @@ impl<I: Interpolate> TrilinUnit<I> {
             return if activity == Activity::Starved { rays.lack() } else { activity };
         };
         let (frame, plane, slot) = (pair.frame, pair.plane, pair.slot);
-        let (spec, arithmetic) = &mut self.frames[frame as usize];
-        if self.state.spent + 1 < spec.ray_cycles {
+        let (schedule, arithmetic) = &mut self.frames[frame as usize];
+        if self.state.spent + 1 < schedule.ray_cycles() {
             self.state.spent += 1;
             return Activity::Busy;
         }
         if slot > 0 && !samples.can_push() {
             return samples.refusal();
         }
-        let last = slot + 1 == spec.slots;
+        let last = schedule.is_last_slot(slot);
         if let Some(pair) = rays.pop_slot() {
             arithmetic.take(&frames[frame as usize], pair);
         }
@@ -197,8 +176,7 @@ impl<I: Interpolate> TrilinUnit<I> {
 
     /// Whether every ray of every frame has been given.
     pub fn done(&self) -> bool {
-        let rays = |(spec, _): &(TrilinSpec, I)| u64::from(spec.slots) * u64::from(spec.planes);
-        self.state.given == self.frames.iter().map(rays).sum::<u64>()
+        self.state.given == self.frames.iter().map(|(schedule, _)| schedule.ray_slots()).sum::<u64>()
     }
 
     /// The arithmetic of each frame, to ask what it counted.

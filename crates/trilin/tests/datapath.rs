@@ -3,12 +3,12 @@
 
 use cube3_channel::Channel;
 use cube3_dsb::{RayPair, RayVoxels};
-use cube3_frame::{DiscreteRay, FrameSetup, Geometry};
+use cube3_frame::{DiscreteRay, FrameSetup, Geometry, Schedule};
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::{MachineSpec, RaySlots, Rays, Reuse, TemplateRule, Trilin};
 use cube3_scene::{Scene, View};
 use cube3_trilin::golden::{Weights, cell, lift};
-use cube3_trilin::{Interpolator, RaySamples, SampleRay, TrilinSpec, TrilinUnit};
+use cube3_trilin::{Interpolator, RaySamples, SampleRay, TrilinUnit};
 use cube3_word::{Rounding, Words};
 use proptest::prelude::*;
 
@@ -88,7 +88,8 @@ fn run(
     mut each: impl FnMut(&SampleRay<RaySamples>),
 ) -> u64 {
     let machine = MachineSpec { lanes, ..MachineSpec::default() };
-    let mut unit = TrilinUnit::new([(TrilinSpec::new(&machine, &setup.geometry), Interpolator::new(setup, lanes))]);
+    let schedule = Schedule::new(&machine, &setup.geometry);
+    let mut unit = TrilinUnit::new([(schedule, Interpolator::new(setup, schedule))]);
     let mut rays = Channel::<RayPair<RayVoxels>>::new("rays", 2, 1).unwrap();
     let mut samples = Channel::<SampleRay<RaySamples>>::new("samples", 2, 1).unwrap();
     let [slots, planes] = setup.geometry.slot_counts();

@@ -5,11 +5,11 @@
 
 use cube3_channel::{Account, Channel};
 use cube3_dsb::RayPair;
-use cube3_frame::FrameSetup;
+use cube3_frame::{FrameSetup, FrameShape, Schedule};
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::MachineSpec;
 use cube3_scene::Scene;
-use cube3_trilin::{NoSamples, SampleRay, TrilinSpec, TrilinUnit};
+use cube3_trilin::{NoSamples, SampleRay, TrilinUnit};
 
 fn setup() -> FrameSetup {
     let volume = VolumeInfo { dims: [2; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
@@ -17,20 +17,19 @@ fn setup() -> FrameSetup {
 }
 
 /// A frame with a pair offered every `every` cycles: when rays left, and the account.
-fn run(spec: TrilinSpec, every: u64, capacity: usize, drained: impl Fn(u64) -> bool) -> (Vec<u64>, Account) {
+fn run(schedule: Schedule, every: u64, capacity: usize, drained: impl Fn(u64) -> bool) -> (Vec<u64>, Account) {
     let setup = setup();
-    let mut unit = TrilinUnit::new([(spec, NoSamples)]);
+    let mut unit = TrilinUnit::new([(schedule, NoSamples)]);
     let mut rays = Channel::<RayPair<()>>::new("rays", 2, 1).unwrap();
     let mut samples = Channel::<SampleRay<()>>::new("samples", capacity, 1).unwrap();
-    let total = u64::from(spec.slots) * u64::from(spec.planes);
+    let (slots, total) = (schedule.shape().slots as u64, schedule.ray_slots());
     let (mut offered, mut cycle, mut left) = (0, 0, Vec::new());
     while !unit.done() {
         if offered < total
             && cycle >= offered * every
             && let Some(pair) = rays.push_slot()
         {
-            (pair.plane, pair.slot) =
-                ((offered / u64::from(spec.slots)) as u32, (offered % u64::from(spec.slots)) as u32);
+            (pair.plane, pair.slot) = ((offered / slots) as u32, (offered % slots) as u32);
             offered += 1;
         }
         let before = samples.counters().pushes;
@@ -42,7 +41,7 @@ fn run(spec: TrilinSpec, every: u64, capacity: usize, drained: impl Fn(u64) -> b
             && let Some(ray) = samples.pop()
         {
             let place = samples.counters().pops - 1;
-            let expected = (place / u64::from(spec.slots), place % u64::from(spec.slots));
+            let expected = (place / slots, place % slots);
             assert_eq!((u64::from(ray.plane), u64::from(ray.slot)), expected);
         }
         rays.commit();
@@ -54,17 +53,21 @@ fn run(spec: TrilinSpec, every: u64, capacity: usize, drained: impl Fn(u64) -> b
     (left, *unit.account())
 }
 
-#[test]
-fn the_spec_divides_depths_by_lanes() {
-    let setup = setup();
-    for (lanes, cycles) in [(1, 2), (2, 1), (128, 1)] {
-        let machine = MachineSpec { lanes, ..MachineSpec::default() };
-        let [slots, planes] = setup.geometry.slot_counts().map(|count| count as u32);
-        assert_eq!(
-            TrilinSpec::new(&machine, &setup.geometry),
-            TrilinSpec { ray_cycles: cycles, slots, planes, whole: true }
-        );
-    }
+/// A frame that is taken whole, of rays of so many cycles.
+fn schedule(ray_cycles: u64, slots: u32, planes: u32) -> Schedule {
+    let lanes = 3;
+    let (slots, depths) = (slots as usize, lanes * ray_cycles as usize);
+    let shape = FrameShape {
+        slots,
+        planes: planes as usize,
+        depths,
+        columns: slots,
+        closes: [false; 2],
+        doubled: false,
+        lanes,
+        section: None,
+    };
+    Schedule::of_shape(shape)
 }
 
 #[test]
@@ -72,7 +75,7 @@ fn a_ray_leaves_with_the_pair_on_its_right_and_the_last_of_a_plane_a_cycle_after
     for ray_cycles in 1..4 {
         for slots in 1..5_u32 {
             for planes in 1..4_u32 {
-                let (left, account) = run(TrilinSpec { ray_cycles, slots, planes, whole: true }, 1, 2, |_| true);
+                let (left, account) = run(schedule(ray_cycles, slots, planes), 1, 2, |_| true);
                 // Pair m is at the input in cycle 1 and taken after ray_cycles more for each.
                 let taken = |pair: u64| (pair + 1) * ray_cycles;
                 let expected: Vec<u64> = (0..u64::from(slots * planes))
@@ -89,7 +92,7 @@ fn a_ray_leaves_with_the_pair_on_its_right_and_the_last_of_a_plane_a_cycle_after
 
 #[test]
 fn without_pairs_the_interpolators_starve() {
-    let (left, account) = run(TrilinSpec { ray_cycles: 1, slots: 3, planes: 2, whole: true }, 10, 2, |_| true);
+    let (left, account) = run(schedule(1, 3, 2), 10, 2, |_| true);
     assert_eq!(left, [11, 21, 22, 41, 51, 52]);
     // Six pairs; the last ray of each plane has a cycle of its own.
     assert_eq!(account, Account { busy: 8, starved: 53 - 8, ..Account::default() });
@@ -97,8 +100,7 @@ fn without_pairs_the_interpolators_starve() {
 
 #[test]
 fn without_room_the_interpolators_are_blocked() {
-    let (left, account) =
-        run(TrilinSpec { ray_cycles: 1, slots: 3, planes: 1, whole: true }, 1, 1, |cycle| cycle % 10 == 0);
+    let (left, account) = run(schedule(1, 3, 1), 1, 1, |cycle| cycle % 10 == 0);
     // Pair 0 gives nothing, pair 1 gives ray 0 in cycle 2; then a ray for every one that is taken away.
     assert_eq!(left, [2, 11, 21]);
     assert_eq!(account, Account { starved: 1, busy: 4, blocked: 22 - 5, ..Account::default() });

@@ -10,7 +10,6 @@ use cube3_frame::{FrameSetup, Geometry, Schedule};
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::{ChannelSize, MachineSpec};
 use cube3_scene::{Scene, View};
-use cube3_trilin::TrilinSpec;
 use std::fmt::Write;
 
 /// A page.
@@ -185,9 +184,10 @@ impl Example {
     /// The timing of a page's unit, read from its spec.
     fn timing(&self, file: &str) -> Vec<Timing> {
         let (machine, geometry) = (&self.machine, self.geometry());
+        let schedule = Schedule::new(machine, geometry);
         match file {
             "sheet-cfb.md" => {
-                let spec = CfbSpec::new(machine, geometry, Schedule::new(machine, geometry));
+                let spec = CfbSpec::new(machine, geometry, schedule);
                 vec![
                     (
                         "initiation interval: a beam",
@@ -199,7 +199,7 @@ impl Example {
                 ]
             }
             "sheet-bus.md" => {
-                let spec = BusSpec::new(machine, geometry);
+                let spec = BusSpec::new(machine, schedule);
                 vec![
                     (
                         "initiation interval: a beam",
@@ -210,44 +210,47 @@ impl Example {
                 ]
             }
             "sheet-dsb.md" => {
-                let spec = DsbSpec::new(machine, geometry);
+                let spec = DsbSpec::new(machine, schedule);
                 vec![
-                    ("initiation interval of the write port: a beam", "⌈n_u / lanes⌉", spec.write_cycles),
-                    ("initiation interval of the read port: a ray", "⌈n_w / lanes⌉", spec.read_cycles),
-                    ("beams before the first ray", "two planes: 2·n_w", 2 * u64::from(spec.depths)),
+                    ("initiation interval of the write port: a beam", "⌈n_u / lanes⌉", schedule.aligned_cycles()),
+                    ("initiation interval of the read port: a ray", "⌈n_w / lanes⌉", schedule.ray_cycles()),
+                    (
+                        "beams before the first ray",
+                        "two planes: 2·n_w",
+                        schedule.planes_read(0, 0) * geometry.size[2] as u64,
+                    ),
                     (
                         "planes",
                         "`dsb.planes`, and the first one where slots close along v",
-                        spec.planes as u64 + u64::from(spec.closes),
+                        spec.planes as u64 + u64::from(geometry.closes()[1]),
                     ),
                 ]
             }
             "sheet-trilin.md" => {
-                let spec = TrilinSpec::new(machine, geometry);
                 vec![
-                    ("initiation interval: a ray", "⌈n_w / lanes⌉", spec.ray_cycles),
+                    ("initiation interval: a ray", "⌈n_w / lanes⌉", schedule.ray_cycles()),
                     ("rays before the first sample", "the next of its plane: 2", 2),
                 ]
             }
             "sheet-gradient.md" | "sheet-shading.md" => {
-                let spec = AbcSpec::new(machine, &self.setup);
-                let [plane, slot] = spec.order().next().unwrap_or_default();
+                let AbcSpec { ray_cycles, order, ring } = AbcSpec::new(machine, &self.setup, &schedule);
+                let [plane, slot] = order.shaded().next().unwrap_or_default();
                 vec![
-                    ("initiation interval: a ray", "⌈n_w / lanes⌉", spec.ray_cycles),
+                    ("initiation interval: a ray", "⌈n_w / lanes⌉", ray_cycles),
                     (
                         "rays before the first is shaded",
                         "those of the planes and rays beside it",
-                        spec.needed(plane, slot),
+                        order.needed(plane, slot),
                     ),
                     (
                         "planes of samples",
                         "`abc.planes`, and the first two where slots close along v",
-                        spec.ring + 2 * u64::from(spec.closes[1]),
+                        ring + 2 * u64::from(geometry.closes()[1]),
                     ),
                 ]
             }
             "sheet-cone.md" => {
-                let spec = ConeSpec::new(machine, &self.setup);
+                let spec = ConeSpec::new(machine, &schedule);
                 vec![
                     ("initiation interval: a ray", "⌈n_w / lanes⌉; n_w in a single accumulator", spec.ray_cycles),
                     ("latency", "⌈log₂ lanes⌉ + 1 of a folded tree", spec.latency()),

@@ -85,7 +85,7 @@ impl At<'_> {
         let partner = partner(geometry, depth);
         let behind = partner.is_some_and(|partner| partner > depth && self.uses(plane, partner, j));
         let below = plane + 1;
-        let beside = !schedule.is_last_plane(plane as usize)
+        let beside = !schedule.is_last_plane(plane)
             && (self.uses(below, depth, j) || partner.is_some_and(|partner| self.uses(below, partner, j)));
         !behind && !beside
     }

@@ -8,17 +8,17 @@
 //! ```
 
 mod bands;
-mod neighbours;
 mod places;
 mod sections;
+mod shading;
 #[cfg(test)]
 mod tests;
 mod widths;
 
 pub use bands::Bands;
-pub use neighbours::Neighbours;
 pub use places::{BeamPlace, RayPlace};
 pub use sections::Sections;
+pub use shading::ShadingOrder;
 
 use crate::Geometry;
 use cube3_machine::MachineSpec;
@@ -82,10 +82,16 @@ impl Schedule {
         Schedule {
             shape,
             sections: Sections::new(slots, section),
-            row_cycles: cycles(columns, lanes),
-            aligned_cycles: cycles(aligned, lanes),
-            ray_cycles: cycles(depths, lanes),
+            row_cycles: Schedule::cycles(columns, lanes),
+            aligned_cycles: Schedule::cycles(aligned, lanes),
+            ray_cycles: Schedule::cycles(depths, lanes),
         }
+    }
+
+    /// Cycles in which `lanes` lanes take so many words, and chunks of them: ⌈words / lanes⌉.
+    #[inline]
+    pub fn cycles(words: usize, lanes: usize) -> u64 {
+        words.div_ceil(lanes) as u64
     }
 
     /// What the frame has of everything.
@@ -101,13 +107,14 @@ impl Schedule {
     }
 
     /// Ray slots of the frame.
+    #[inline]
     pub fn ray_slots(&self) -> u64 {
         self.shape.slots as u64 * self.shape.planes as u64
     }
 
     /// Planes of the frame, those of each section.
     pub fn planes_of_frame(&self) -> u64 {
-        self.plane_number(self.sections.count(), 0)
+        self.plane_number(self.sections.count() as u32, 0)
     }
 
     /// Beams of the frame, those of each section, with those that lie outside of the volume where slots are padded.
@@ -117,26 +124,38 @@ impl Schedule {
 
     /// Planes of the frame before a plane of a section.
     #[inline]
-    pub fn plane_number(&self, section: usize, plane: usize) -> u64 {
-        section as u64 * self.shape.planes as u64 + plane as u64
+    pub fn plane_number(&self, section: u32, plane: u32) -> u64 {
+        u64::from(section) * self.shape.planes as u64 + u64::from(plane)
     }
 
     /// Planes of the frame that are there when the rays of a plane of a section can be read: that and those before it, and the one below where
     /// there is one.
     #[inline]
-    pub fn planes_read(&self, section: usize, plane: usize) -> u64 {
-        self.plane_number(section, (plane + 2).min(self.shape.planes))
+    pub fn planes_read(&self, section: u32, plane: u32) -> u64 {
+        self.plane_number(section, (plane + 2).min(self.shape.planes as u32))
+    }
+
+    /// Whether a depth is the last one: with its beam a plane is whole.
+    #[inline]
+    pub fn is_last_depth(&self, depth: u32) -> bool {
+        depth as usize + 1 == self.shape.depths
     }
 
     /// Whether a plane is the last one.
     #[inline]
-    pub fn is_last_plane(&self, plane: usize) -> bool {
-        plane + 1 == self.shape.planes
+    pub fn is_last_plane(&self, plane: u32) -> bool {
+        plane as usize + 1 == self.shape.planes
+    }
+
+    /// Whether a slot is the last one of a plane.
+    #[inline]
+    pub fn is_last_slot(&self, slot: u32) -> bool {
+        slot as usize + 1 == self.shape.slots
     }
 
     /// The plane below a plane: below the last the first where they are shared, and else none.
     #[inline]
-    pub fn below(&self, plane: usize) -> Option<usize> {
+    pub fn below(&self, plane: u32) -> Option<u32> {
         if !self.is_last_plane(plane) { Some(plane + 1) } else { self.shape.closes[1].then_some(0) }
     }
 
@@ -171,7 +190,13 @@ impl Schedule {
     /// Cycles in which they take so many voxels of a row.
     #[inline]
     pub fn piece_cycles(&self, voxels: u32) -> u64 {
-        cycles(voxels as usize, self.shape.lanes)
+        Schedule::cycles(voxels as usize, self.shape.lanes)
+    }
+
+    /// Words of a ray that is filled up to whole chunks of lanes.
+    #[inline]
+    pub fn ray_words(&self) -> usize {
+        self.ray_cycles as usize * self.shape.lanes
     }
 
     /// Cycles in which they take a ray: ⌈n_w / lanes⌉.
@@ -179,10 +204,4 @@ impl Schedule {
     pub fn ray_cycles(&self) -> u64 {
         self.ray_cycles
     }
-}
-
-/// Cycles in which `lanes` lanes take so many words: ⌈words / lanes⌉.
-#[inline]
-fn cycles(words: usize, lanes: usize) -> u64 {
-    words.div_ceil(lanes) as u64
 }

@@ -17,22 +17,6 @@ pub struct Sections {
 }
 
 impl Sections {
-    /// Sections of `width` slots of a frame; one of all slots where none is given, and in perspective.
-    pub fn of_frame(geometry: &Geometry, width: Option<usize>) -> Sections {
-        let [slots, _] = geometry.slot_counts();
-        Sections::new(slots, width.filter(|_| geometry.perspective.is_none()))
-    }
-
-    /// The sections in which a machine takes a frame.
-    pub fn of(machine: &cube3_machine::MachineSpec, geometry: &Geometry) -> Sections {
-        Sections::of_frame(geometry, machine.rays.section)
-    }
-
-    /// Sections of `width` of so many slots; one of all slots where none is given.
-    pub fn of_slots(slots: usize, width: Option<usize>) -> Sections {
-        Sections::new(slots, width)
-    }
-
     /// Sections of `width` of so many slots; one of all slots where none is given.
     pub(super) fn new(slots: usize, width: Option<usize>) -> Sections {
         let width = width.unwrap_or(slots).clamp(1, slots.max(1));
@@ -41,7 +25,7 @@ impl Sections {
 
     /// The sections of a unit that gives a slot when so many more behind it have come.
     #[must_use]
-    pub fn behind(self, slots: usize) -> Sections {
+    pub(super) fn behind(self, slots: usize) -> Sections {
         Sections { behind: self.behind + slots, ..self }
     }
 

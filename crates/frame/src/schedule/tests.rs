@@ -59,7 +59,7 @@ proptest! {
         let mut place = BeamPlace::default();
         for (number, beam) in beams.iter().enumerate() {
             prop_assert_eq!(place, *beam);
-            let plane = schedule.plane_number(place.section as usize, place.plane as usize);
+            let plane = schedule.plane_number(place.section, place.plane);
             prop_assert_eq!(plane, (number / shape.depths) as u64);
             prop_assert_eq!(schedule.next_beam(&mut place), number + 1 == beams.len());
         }
@@ -104,15 +104,13 @@ proptest! {
     fn a_ray_is_read_when_its_plane_and_the_one_below_are_there(shape in any_shape()) {
         let schedule = Schedule::of_shape(shape);
         for RayPlace { section, plane, .. } in schedule.rays() {
-            let [section, plane] = [section as usize, plane as usize];
-            let below = plane + 1 < shape.planes;
-            let needed = [plane, if below { plane + 1 } else { plane }];
-            let of = |beam: BeamPlace| [beam.section as usize, beam.plane as usize];
-            let last = schedule.beams().filter(|beam| of(*beam)[0] == section && needed.contains(&of(*beam)[1])).max();
+            let below = (plane + 1 < shape.planes as u32).then_some(plane + 1);
+            let needed = [plane, below.unwrap_or(plane)];
+            let last = schedule.beams().filter(|beam| beam.section == section && needed.contains(&beam.plane)).max();
             let beams = schedule.beams().filter(|beam| Some(*beam) <= last).count();
             prop_assert_eq!(schedule.planes_read(section, plane) * shape.depths as u64, beams as u64);
-            prop_assert_eq!(schedule.is_last_plane(plane), !below);
-            prop_assert_eq!(schedule.below(plane), if below { Some(plane + 1) } else { shape.closes[1].then_some(0) });
+            prop_assert_eq!(schedule.is_last_plane(plane), below.is_none());
+            prop_assert_eq!(schedule.below(plane), below.or(shape.closes[1].then_some(0)));
         }
     }
 
@@ -175,7 +173,7 @@ proptest! {
 }
 
 /// The order in which rays are shaded, of frames of every small shape, taken whole and in sections.
-fn all_neighbours() -> impl Iterator<Item = (FrameShape, usize, bool, Neighbours)> {
+fn all_orders() -> impl Iterator<Item = (FrameShape, usize, bool, ShadingOrder)> {
     let closes = [[false, false], [false, true], [true, false], [true, true]];
     let sizes = (1..=6).flat_map(|slots| (1..=6).map(move |planes| (slots, planes)));
     let shapes = sizes.flat_map(move |size| closes.map(|closes| (size, closes)));
@@ -194,7 +192,8 @@ fn all_neighbours() -> impl Iterator<Item = (FrameShape, usize, bool, Neighbours
             };
             // Farther neighbours than the next are those of frames that share no slots.
             let most = if closes == [false; 2] { 3 } else { 1 };
-            (1..=most).map(move |reach| (shape, reach, buffered, Schedule::of_shape(shape).neighbours(reach, buffered)))
+            (1..=most)
+                .map(move |reach| (shape, reach, buffered, Schedule::of_shape(shape).shading_order(reach, buffered)))
         })
     })
 }
@@ -209,22 +208,22 @@ fn beside(i: usize, n: usize, closes: bool, reach: usize) -> Vec<usize> {
 
 #[test]
 fn every_slot_is_shaded_once() {
-    for (shape, _, _, neighbours) in all_neighbours() {
-        let order: Vec<[u64; 2]> = neighbours.order().collect();
-        let places: BTreeSet<[u64; 2]> = order.iter().copied().collect();
+    for (shape, _, _, order) in all_orders() {
+        let slots: Vec<[u64; 2]> = order.shaded().collect();
+        let places: BTreeSet<[u64; 2]> = slots.iter().copied().collect();
         let all = (0..shape.planes).flat_map(|plane| (0..shape.slots).map(move |slot| [plane as u64, slot as u64]));
         assert_eq!(places, all.collect(), "{shape:?}");
-        assert_eq!(order.len(), places.len(), "{shape:?}");
+        assert_eq!(slots.len(), places.len(), "{shape:?}");
     }
 }
 
 #[test]
 fn a_slot_needs_its_neighbours_and_nothing_that_comes_after_them() {
-    for (shape, reach, buffered, neighbours) in all_neighbours() {
+    for (shape, reach, buffered, order) in all_orders() {
         let came: Vec<RayPlace> = Schedule::of_shape(shape).finished_rays().collect();
         let number =
             |at: [usize; 2]| came.iter().position(|ray| [ray.plane, ray.slot].map(|i| i as usize) == at).unwrap();
-        for [plane, slot] in neighbours.order() {
+        for [plane, slot] in order.shaded() {
             let [i, j] = [plane as usize, slot as usize];
             let (planes, slots) = if buffered {
                 (beside(i, shape.planes, shape.closes[1], reach), beside(j, shape.slots, shape.closes[0], reach))
@@ -233,10 +232,10 @@ fn a_slot_needs_its_neighbours_and_nothing_that_comes_after_them() {
             };
             let last = planes.into_iter().flat_map(|i| slots.iter().map(move |&j| number([i, j]))).max().unwrap();
             let label = format!("{shape:?}, reach {reach}, plane {plane}, slot {slot}");
-            assert_eq!(neighbours.needed(plane, slot), last as u64 + 1, "{label}");
+            assert_eq!(order.needed(plane, slot), last as u64 + 1, "{label}");
             let plane_of = |ray: RayPlace| ray.section as usize * shape.planes + i;
-            assert_eq!(neighbours.plane_of_shaded(i, j), plane_of(came[last]), "{label}");
-            assert_eq!(neighbours.plane_of_ray(i, j), plane_of(came[number([i, j])]), "{label}");
+            assert_eq!(order.plane_of_shaded(i, j), plane_of(came[last]), "{label}");
+            assert_eq!(order.plane_of_ray(i, j), plane_of(came[number([i, j])]), "{label}");
         }
     }
 }
@@ -245,17 +244,17 @@ fn a_slot_needs_its_neighbours_and_nothing_that_comes_after_them() {
 /// planes are shared.
 #[test]
 fn the_oldest_plane_is_the_one_above_what_is_left_to_shade() {
-    for (shape, reach, buffered, neighbours) in all_neighbours() {
+    for (shape, reach, buffered, order) in all_orders() {
         let last_first = usize::from(buffered && shape.closes[1]);
-        let order: Vec<usize> = (last_first..shape.planes).chain(0..last_first).collect();
+        let counted: Vec<usize> = (last_first..shape.planes).chain(0..last_first).collect();
         for plane in 0..shape.planes {
             let oldest = |&left: &usize| match (buffered, left) {
                 (false, _) => left,
                 (true, 0) if shape.closes[1] => shape.planes - 1,
                 (true, _) => left.saturating_sub(reach),
             };
-            let oldest = order[plane..].iter().map(oldest).min().unwrap();
-            assert_eq!(neighbours.oldest(plane as u64), oldest as u64, "{shape:?}, {reach}, {buffered}, {plane}");
+            let oldest = counted[plane..].iter().map(oldest).min().unwrap();
+            assert_eq!(order.oldest(plane as u64), oldest as u64, "{shape:?}, {reach}, {buffered}, {plane}");
         }
     }
 }
@@ -263,23 +262,23 @@ fn the_oldest_plane_is_the_one_above_what_is_left_to_shade() {
 /// What a section needs of the slots before it is what the rays that are shaded with it read, and what is kept is enough for it.
 #[test]
 fn a_section_needs_of_others_what_its_rays_read() {
-    for (shape, _, _, neighbours) in all_neighbours().filter(|(_, reach, buffered, _)| *buffered && *reach == 1) {
+    for (shape, _, _, order) in all_orders().filter(|(_, reach, buffered, _)| *buffered && *reach == 1) {
         let section_of = |j: usize| {
-            let last = |j: &usize| neighbours.sections().section(*j);
+            let last = |j: &usize| order.sections().section(*j);
             beside(j, shape.slots, shape.closes[0], 1).iter().map(last).max().unwrap()
         };
-        for section in 0..neighbours.sections().count() {
-            let slots = neighbours.sections().slots(section);
+        for section in 0..order.sections().count() {
+            let slots = order.sections().slots(section);
             let shaded = (0..shape.slots).filter(|&j| section_of(j) == section);
             let read = shaded.flat_map(|j| beside(j, shape.slots, shape.closes[0], 1));
             let read: BTreeSet<usize> = read.filter(|j| !slots.contains(j)).collect();
-            let needed: BTreeSet<usize> = neighbours.needed_before(section).into_iter().flatten().collect();
+            let needed: BTreeSet<usize> = order.needed_before(section).into_iter().flatten().collect();
             assert!(read.is_subset(&needed), "{shape:?}, section {section}: {read:?}, {needed:?}");
             assert!(shape.section.unwrap() < 3 || read == needed, "{shape:?}, section {section}: {read:?}, {needed:?}");
-            let [border, firsts] = neighbours.needed_before(section);
-            let kept: BTreeSet<usize> = (0..section).flat_map(|before| neighbours.kept(before)).collect();
+            let [border, firsts] = order.needed_before(section);
+            let kept: BTreeSet<usize> = (0..section).flat_map(|before| order.kept(before)).collect();
             assert!(border.clone().all(|j| kept.contains(&j)), "{shape:?}, section {section}");
-            assert!(firsts.end <= Neighbours::BORDER.min(border.start));
+            assert!(firsts.end <= ShadingOrder::BORDER.min(border.start));
         }
     }
 }

@@ -1,25 +1,26 @@
-//! How wide planes on the chip are, and what they hold.
+//! How wide planes on the chip are, and what the buffers hold that keep rays for their neighbours.
 
-use super::{Neighbours, Schedule, Sections};
+use super::{Schedule, ShadingOrder};
 
 impl Schedule {
     /// Ray slots that a plane of voxels has room for on the chip: those of the widest section.
     pub fn voxel_slots(&self) -> u64 {
-        widest(self.sections(), |_, slots| slots)
+        self.sections().widest() as u64
     }
 
     /// Ray slots that TRILIN finishes of a plane in one section at most.
     pub fn sample_slots(&self) -> u64 {
-        widest(&self.finished(), |_, slots| slots)
+        self.finished().widest() as u64
     }
 
     /// Ray slots that a plane of samples has room for on the chip: those of a section, and what comes from the overlap buffers.
     pub fn neighbour_slots(&self) -> u64 {
-        let neighbours = self.neighbours(1, true);
-        widest(neighbours.sections(), |section, slots| {
-            let before: usize = neighbours.needed_before(section).iter().map(|slots| slots.len()).sum();
-            slots + before
-        })
+        let order = self.shading_order(1, true);
+        let room = |section: usize| {
+            let [border, firsts] = order.needed_before(section);
+            order.sections().slots(section).len() + border.len() + firsts.len()
+        };
+        (0..order.sections().count()).map(room).max().unwrap_or(0) as u64
     }
 
     /// How many times the buffers of first planes are there: twice where sections follow each other, or frames that overlap.
@@ -27,14 +28,24 @@ impl Schedule {
         if overlap || !self.sections().is_whole() { 2 } else { 1 }
     }
 
-    /// Words of the buffers that keep the first plane of voxels for the last.
+    /// Words of a ring of planes of voxels.
+    pub fn voxel_planes(&self, ring: usize) -> u64 {
+        (self.words_of_slot() * ring * self.shape().depths) as u64 * self.voxel_slots()
+    }
+
+    /// Words of a ring of planes of samples.
+    pub fn sample_planes(&self, ring: usize) -> u64 {
+        (ring * self.shape().depths) as u64 * self.neighbour_slots()
+    }
+
+    /// Words of the buffers that keep the first plane of voxels for the last, where slots are shared along v.
     pub fn first_voxels(&self, overlap: bool) -> u64 {
-        self.first_copies(overlap) * self.voxel_slots() * self.shape().depths as u64
+        self.first_copies(overlap) * self.voxel_planes(1)
     }
 
     /// The same of the first two planes of samples.
     pub fn first_samples(&self, overlap: bool) -> u64 {
-        self.first_copies(overlap) * 2 * self.neighbour_slots() * self.shape().depths as u64
+        self.first_copies(overlap) * self.sample_planes(2)
     }
 
     /// Words of the overlap buffers of samples beside the chip: of each plane the last rays of a section, and the first of the plane where
@@ -43,26 +54,16 @@ impl Schedule {
         if self.sections().is_whole() {
             return 0;
         }
-        let neighbours = self.neighbours(1, true);
-        let [_, firsts] = neighbours.needed_before(neighbours.sections().count() - 1);
-        (self.shape().depths * self.shape().planes * (Neighbours::BORDER + firsts.len())) as u64
-    }
-
-    /// Words of the planes of samples that a gradient reads: a ring of so many, and the first two where the last is followed by the first.
-    pub fn samples_kept(&self, ring: usize, overlap: bool) -> u64 {
-        let firsts = if self.shape().closes[1] { self.first_samples(overlap) } else { 0 };
-        ring as u64 * self.neighbour_slots() * self.shape().depths as u64 + firsts
+        let order = self.shading_order(1, true);
+        let [_, firsts] = order.needed_before(order.sections().count() - 1);
+        (self.shape().depths * self.shape().planes * (ShadingOrder::BORDER + firsts.len())) as u64
     }
 }
 
-impl Neighbours {
+impl ShadingOrder {
     /// Rays that come before the first is shaded.
     pub fn first_wait(&self) -> u64 {
         let [plane, slot] = self.turned([0, 0]);
         self.needed(plane, slot)
     }
-}
-
-fn widest(sections: &Sections, width: impl Fn(usize, usize) -> usize) -> u64 {
-    (0..sections.count()).map(|section| width(section, sections.slots(section).len())).max().unwrap_or(0) as u64
 }

@@ -4,7 +4,7 @@ use crate::unit::Reader;
 use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
 use cube3_dsb::PlaneStore;
 use cube3_dsb::golden::{beam_lane, module, ray_lane};
-use cube3_frame::{Axes, Geometry};
+use cube3_frame::{Axes, BeamPlace, Geometry, Schedule};
 use cube3_machine::{RaySlots, TemplateRule};
 use cube3_word::Probe;
 
@@ -62,11 +62,12 @@ impl Unit for Dsb {
         let side = CHUNKS * lanes;
         let axes = Axes { axis: [0, 1, 2], reversed: [false; 3] };
         let geometry = Geometry::new([side, 2, side], axes, [0; 2], 0, 8, TemplateRule::PlaneFloor, RaySlots::Wrapped);
-        let mut store = PlaneStore::new(&geometry, lanes, 2);
+        let mut store = PlaneStore::new(Schedule::of(&geometry, lanes, None), 2);
         let places: Vec<u16> = (0..side as u16).collect();
-        for depth in 0..side {
-            store.write(0, 0, depth, Some(&places));
-            store.write(0, 1, depth, Some(&vec![depth as u16; side]));
+        for depth in 0..side as u32 {
+            let beam = |plane| BeamPlace { section: 0, plane, depth };
+            store.write(beam(0), Some(&places));
+            store.write(beam(1), Some(&vec![depth as u16; side]));
         }
         let mut rays = [Vec::new(), Vec::new()];
         let mut answer = |inputs: &Vec<i128>| {

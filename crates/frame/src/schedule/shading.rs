@@ -8,7 +8,7 @@ use std::ops::Range;
 /// Planes and slots are shaded in the order in which they come, but where the last is followed by the first the first comes last. Slots are
 /// *counted* in the order in which they are shaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Neighbours {
+pub struct ShadingOrder {
     /// Ray slots of a plane, planes.
     slots: u64,
     planes: u64,
@@ -24,10 +24,10 @@ pub struct Neighbours {
 
 impl Schedule {
     /// How rays are shaded whose neighbours are `reach` rays and planes away, 1 and more; where rays are not `buffered` none is waited for.
-    pub fn neighbours(&self, reach: usize, buffered: bool) -> Neighbours {
+    pub fn shading_order(&self, reach: usize, buffered: bool) -> ShadingOrder {
         let taken = self.finished();
         let closes = self.shape.closes;
-        Neighbours {
+        ShadingOrder {
             slots: self.shape.slots as u64,
             planes: self.shape.planes as u64,
             closes,
@@ -39,15 +39,15 @@ impl Schedule {
     }
 }
 
-impl Neighbours {
+impl ShadingOrder {
     /// Rays of a plane that a section needs of those before it, and of the plane's first where slots are shared: in frames that are taken in
     /// sections neighbours are the next rays.
     pub const BORDER: usize = 2;
 
-    /// How many rays and planes away neighbours are.
+    /// Planes of the frame.
     #[inline]
-    pub fn reach(&self) -> u64 {
-        self.reach
+    pub fn planes(&self) -> u64 {
+        self.planes
     }
 
     /// The sections of the rays that come.
@@ -67,7 +67,7 @@ impl Neighbours {
     }
 
     /// The slots of the frame, plane and ray, in the order in which they are shaded.
-    pub fn order(&self) -> impl Iterator<Item = [u64; 2]> + use<> {
+    pub fn shaded(&self) -> impl Iterator<Item = [u64; 2]> + use<> {
         let all = *self;
         let planes = move |section| (0..all.planes).map(move |plane| (plane, all.given(section)));
         let counted = (0..all.given.count()).flat_map(planes);
@@ -117,12 +117,12 @@ impl Neighbours {
     pub fn needed(&self, plane: u64, slot: u64) -> u64 {
         let last = self.last([plane, slot]);
         let of_section = self.taken(self.taken.section(last[1] as usize));
-        of_section.start * self.planes + Neighbours::in_section(&of_section, last) + 1
+        of_section.start * self.planes + self.rays_before(&of_section, last) + 1
     }
 
-    /// Rays of a section, which has these slots, before the one of a plane and slot.
+    /// Rays of a section that come before the one of a plane and slot; `slots` are those that come with the section.
     #[inline]
-    pub fn in_section(slots: &Range<u64>, [plane, slot]: [u64; 2]) -> u64 {
+    pub fn rays_before(&self, slots: &Range<u64>, [plane, slot]: [u64; 2]) -> u64 {
         plane * (slots.end - slots.start) + slot - slots.start
     }
 
@@ -143,16 +143,16 @@ impl Neighbours {
     pub fn kept(&self, section: usize) -> Range<usize> {
         let Range { start, end } = self.taken.slots(section);
         let last = section + 1 >= self.taken.count();
-        if last { end..end } else { end.saturating_sub(Neighbours::BORDER).max(start)..end }
+        if last { end..end } else { end.saturating_sub(ShadingOrder::BORDER).max(start)..end }
     }
 
     /// Slots of the sections before that a section needs: the last of them, and for the last section the first of the plane where slots are
     /// shared.
     pub fn needed_before(&self, section: usize) -> [Range<usize>; 2] {
         let Range { start, end } = self.taken.slots(section);
-        let border = if start < end { start.saturating_sub(Neighbours::BORDER)..start } else { start..start };
+        let border = if start < end { start.saturating_sub(ShadingOrder::BORDER)..start } else { start..start };
         let firsts = self.closes[0] && section + 1 == self.taken.count();
-        let firsts = 0..if firsts { Neighbours::BORDER.min(border.start) } else { 0 };
+        let firsts = 0..if firsts { ShadingOrder::BORDER.min(border.start) } else { 0 };
         [border, firsts]
     }
 }
