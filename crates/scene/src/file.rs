@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
+use cube3_parameter::Unread;
+use cube3_parameter::locate::{line_at, span_of};
 use toml::de::DeTable;
 
-use crate::explain::explain;
-use crate::locate::{key_at, line_at, span_of};
 use crate::scene::validate_schema;
 use crate::{Place, Scene, SceneError};
 
@@ -69,15 +69,6 @@ impl Scene {
 
 /// The TOML reader's error, with its place in `text`.
 fn toml_error(error: &toml::de::Error, text: &str, document: &DeTable, source_name: &str) -> SceneError {
-    let start = error.span().map(|span| span.start);
-    let (reason, right) = explain(error.message());
-    SceneError::Invalid {
-        place: Place {
-            file: Some(source_name.to_owned()),
-            line: start.map(|start| line_at(text, start)),
-            key: start.map_or_else(String::new, |start| key_at(document, start)),
-        },
-        reason,
-        right,
-    }
+    let Unread { line, key, reason, right } = Unread::new(error, text, document);
+    SceneError::Invalid { place: Place { file: Some(source_name.to_owned()), line, key }, reason, right }
 }
