@@ -6,12 +6,11 @@ use crate::Value;
 pub trait Choice: Copy + PartialEq + 'static {
     /// Every choice with its name, in the order in which they are listed.
     const NAMES: &'static [(Self, &'static str)];
-}
 
-/// The name of a choice as a value; text without letters where the table does not have it.
-pub fn name_of<C: Copy + PartialEq>(names: &[(C, &'static str)], choice: C) -> Value {
-    let name = names.iter().find(|(known, _)| *known == choice).map_or("", |(_, name)| name);
-    Value::Text(name.to_owned())
+    /// Its name in files; without letters where [`NAMES`](Self::NAMES) does not have it.
+    fn name(self) -> &'static str {
+        Self::NAMES.iter().find(|(known, _)| *known == self).map_or("", |(_, name)| name)
+    }
 }
 
 /// The choice that a value names; none where the table does not have it.

@@ -1,5 +1,6 @@
 //! A row in words and numbers, for lists of parameters.
 
+use crate::row::{name, section};
 use crate::{Kind, Legal, Parameter, Value};
 use serde::{Serialize, Serializer};
 
@@ -26,6 +27,18 @@ pub struct Description {
     pub about: &'static str,
     /// Where it is from.
     pub source: &'static str,
+}
+
+impl Description {
+    /// The table of the file that it is in, `cfb` of `cfb.skew`; empty at the top.
+    pub fn section(&self) -> &'static str {
+        section(self.key)
+    }
+
+    /// The key without its table.
+    pub fn name(&self) -> &'static str {
+        name(self.key)
+    }
 }
 
 fn in_words<S: Serializer>(kind: &Kind, serializer: S) -> Result<S::Ok, S::Error> {

@@ -68,6 +68,7 @@ impl Fault {
         let because = if because.is_empty() { String::new() } else { format!(" ({because})") };
         match legal {
             Legal::OneOf(values) if values.is_empty() => format!("{value} cannot be chosen here{because}"),
+            Legal::OneOf(values) if values.len() == 1 => format!("{value} is not {}{unit}{because}", values[0]),
             Legal::OneOf(_) | Legal::Real { open: [true, _], .. } => format!("{value} is not {legal}{unit}{because}"),
             Legal::Real { low, high, .. } if *low == f64::MIN || *high == f64::MAX => {
                 format!("{value} is not {legal}{unit}{because}")
@@ -112,13 +113,15 @@ mod tests {
     const TABLE: [Parameter<Shop>; 3] = [
         Parameter {
             because: "as many as `rows` has",
-            ..parameter!(Shop, lamps, "", "lamps", "ours", |shop| Legal::whole(0, shop.rows.len() as i128))
+            legal: |shop| Legal::whole(0, shop.rows.len() as i128),
+            ..parameter!(Shop, lamps, "", "lamps", "ours")
         },
-        parameter!(Shop, height, "metres", "height", "ours", |_| Legal::above(0.0, 4.0)),
+        Parameter { legal: |_| Legal::above(0.0, 4.0), ..parameter!(Shop, height, "metres", "height", "ours") },
         Parameter {
             key: "row[].light",
+            legal: |_| Legal::real(0.0, 1.0),
             get: |shop| each(&shop.rows, |row| row),
-            ..parameter!(Shop, height, "", "light", "ours", |_| Legal::real(0.0, 1.0))
+            ..parameter!(Shop, height, "", "light", "ours")
         },
     ];
 

@@ -1,6 +1,6 @@
 //! The fields that rows read and set: how a type of Rust becomes a [`Value`] and back.
 
-use crate::{Choice, Value, choice};
+use crate::{Choice, Legal, Value, named};
 use std::fmt;
 use std::path::PathBuf;
 
@@ -52,6 +52,10 @@ pub trait Field: Sized {
     const KIND: Kind;
     /// Whether it may be absent.
     const OPTIONAL: bool = false;
+    /// What of its kind is legal, whatever it is a field of: of a choice, its names.
+    fn legal() -> Legal {
+        Legal::Anything
+    }
     /// The value of a field.
     fn value(&self) -> Value;
     /// The field of a value; none where the type cannot hold it.
@@ -94,6 +98,11 @@ pub const fn kind<T, F: Field>(_: fn(&T) -> &F) -> Kind {
 /// Whether the field that a function gives may be absent.
 pub const fn optional<T, F: Field>(_: fn(&T) -> &F) -> bool {
     F::OPTIONAL
+}
+
+/// What is legal for the field that a function gives, whatever it is a field of.
+pub fn legal<T, F: Field>(_: fn(&T) -> &F) -> Legal {
+    F::legal()
 }
 
 macro_rules! whole {
@@ -164,17 +173,23 @@ impl Field for PathBuf {
 
 impl<C: Choice> Field for C {
     const KIND: Kind = Kind::Choice;
+    fn legal() -> Legal {
+        Legal::names(C::NAMES.iter().map(|(_, name)| *name))
+    }
     fn value(&self) -> Value {
-        choice::name_of(C::NAMES, *self)
+        Value::Text(self.name().to_owned())
     }
     fn of(value: &Value) -> Option<Self> {
-        choice::named(C::NAMES, value)
+        named(C::NAMES, value)
     }
 }
 
 impl<F: Field> Field for Option<F> {
     const KIND: Kind = F::KIND;
     const OPTIONAL: bool = true;
+    fn legal() -> Legal {
+        F::legal()
+    }
     fn value(&self) -> Value {
         self.as_ref().map_or(Value::Absent, Field::value)
     }

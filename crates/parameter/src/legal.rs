@@ -158,6 +158,7 @@ impl fmt::Display for Legal {
                 }
             },
             Legal::OneOf(values) if values.is_empty() => f.write_str("none"),
+            Legal::OneOf(values) if values.len() == 1 => write!(f, "only {}", values[0]),
             Legal::OneOf(values) => {
                 let values: Vec<String> = values.iter().map(Value::to_string).collect();
                 write!(f, "one of {}", values.join(", "))
@@ -249,6 +250,7 @@ mod tests {
             (Legal::real(0.0, f64::MAX), "a finite number from 0 up"),
             (Legal::finite(), "a finite number"),
             (Legal::OneOf([1, 2, 4, 8].map(Value::Whole).to_vec()), "one of 1, 2, 4, 8"),
+            (Legal::OneOf(vec![Value::Whole(16)]), "only 16"),
             (Legal::OneOf(vec![]), "none"),
         ] {
             assert_eq!(legal.to_string(), text);

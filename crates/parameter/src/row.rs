@@ -31,23 +31,33 @@ pub struct Parameter<T> {
     pub set: fn(&mut T, &Value) -> Result<(), Unfit>,
 }
 
+/// The table of the file that a key is in, `cfb` of `cfb.skew`; empty at the top.
+pub(crate) fn section(key: &'static str) -> &'static str {
+    key.split_once('.').map_or("", |(section, _)| section)
+}
+
+/// A key without its table.
+pub(crate) fn name(key: &'static str) -> &'static str {
+    key.split_once('.').map_or(key, |(_, name)| name)
+}
+
 impl<T> Parameter<T> {
     /// The table of the file that it is in, `cfb` of `cfb.skew`; empty at the top.
     pub fn section(&self) -> &'static str {
-        self.key.split_once('.').map_or("", |(section, _)| section)
+        section(self.key)
     }
 
     /// The key without its table.
     pub fn name(&self) -> &'static str {
-        self.key.split_once('.').map_or(self.key, |(_, name)| name)
+        name(self.key)
     }
 }
 
-/// A row of a parameter that is a field: `parameter!(Machine, rays.grid, "unit", "what it is", "source", |machine| range)`. The key is the
-/// field's path. A choice needs no range: it is one of its names.
+/// A row of a parameter that is a field: `parameter!(Machine, rays.grid, "unit", "what it is", "source")`. The key is the field's path. A
+/// choice has the range of its names, other fields have none.
 #[macro_export]
 macro_rules! parameter {
-    ($of:ty, $first:ident $(. $rest:ident)*, $unit:expr, $about:expr, $source:expr, $legal:expr) => {
+    ($of:ty, $first:ident $(. $rest:ident)*, $unit:expr, $about:expr, $source:expr) => {
         $crate::Parameter {
             key: concat!(stringify!($first) $(, ".", stringify!($rest))*),
             kind: $crate::kind(|of: &$of| &of.$first $(. $rest)*),
@@ -57,7 +67,7 @@ macro_rules! parameter {
             optional: $crate::optional(|of: &$of| &of.$first $(. $rest)*),
             example: "",
             because: "",
-            legal: $legal,
+            legal: |_| $crate::legal(|of: &$of| &of.$first $(. $rest)*),
             get: |of: &$of| $crate::Field::value(&of.$first $(. $rest)*),
             set: |of: &mut $of, value| $crate::assign(&mut of.$first $(. $rest)*, value),
         }

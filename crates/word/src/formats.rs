@@ -139,7 +139,7 @@ impl Words {
     pub const ACCUMULATOR: Length = length!(accumulator_bits, 1, 32);
 
     /// Every length, from the memory to the pixel.
-    pub const LENGTHS: [Length; 10] = [
+    pub const LENGTHS: &'static [Length; 10] = &[
         Words::VOXEL,
         Words::WEIGHT,
         Words::SAMPLE_FRACTION,
@@ -193,7 +193,7 @@ mod tests {
     #[test]
     fn every_length_has_its_own_field_and_both_its_ends_are_legal() {
         let wide = Words { sample_fraction_bits: 8, gradient_bits: 24, table_bits: 16, ..Words::default() };
-        for length in Words::LENGTHS {
+        for length in *Words::LENGTHS {
             let with = |bits| {
                 let mut words = wide;
                 *(length.of_mut)(&mut words) = bits;

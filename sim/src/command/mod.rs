@@ -1,6 +1,8 @@
 //! The `cube3` command.
 
 mod bench;
+mod list;
+mod machine;
 mod run;
 mod scene;
 mod vectors;
@@ -32,6 +34,8 @@ enum Command {
     Verify(Box<verify::VerifyArguments>),
     /// Look at, convert and make volumes.
     Volume(volume::VolumeArguments),
+    /// Look at machines: presets, parameters, a machine with every key.
+    Machine(machine::MachineArguments),
     /// Speed, as ratios and as fractions of the hardware's limit.
     Bench(bench::BenchArguments),
 }
@@ -48,6 +52,7 @@ impl Arguments {
             Some(Command::Vectors(arguments)) => arguments.execute(),
             Some(Command::Verify(arguments)) => arguments.execute(),
             Some(Command::Volume(arguments)) => arguments.execute(),
+            Some(Command::Machine(arguments)) => arguments.execute(),
             Some(Command::Bench(arguments)) => arguments.execute(),
         }
     }
