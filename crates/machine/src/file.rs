@@ -1,9 +1,8 @@
 //! Machines as TOML text.
 
 use crate::{MachineError, MachineSpec, PARAMETERS, relations};
-use cube3_parameter::locate::{line_of, value_of};
-use cube3_parameter::{Fault, Unread, Value, check};
-use serde::Deserialize;
+use cube3_parameter::locate::line_of;
+use cube3_parameter::{Unread, check, number_fault};
 use toml::de::DeTable;
 
 impl MachineSpec {
@@ -22,7 +21,7 @@ impl MachineSpec {
         let place_of = |key: &str| at(line_of(text, document, key));
         let machine: MachineSpec = toml::from_str(text).map_err(|error| {
             let error = syntax(error, document);
-            match number_fault(text, document, error.key()) {
+            match number_fault(PARAMETERS, text, document, error.key()) {
                 Some(fault) => MachineError::Value { place: place_of(&fault.key), fault },
                 None => error,
             }
@@ -48,19 +47,4 @@ impl MachineSpec {
         check(PARAMETERS, self).map_err(|fault| MachineError::Value { place: place_of(&fault.key), fault })?;
         relations::check(self).map_err(|conflict| MachineError::Conflict { place: place_of(conflict.key), conflict })
     }
-}
-
-/// What is wrong with a number that its field cannot hold, such as one below 0: that it is out of range, in the machine that the text
-/// makes without it. None where it is no number, or in range.
-fn number_fault(text: &str, document: &DeTable, key: &str) -> Option<Fault> {
-    let row = PARAMETERS.iter().find(|row| key.split('[').next() == Some(row.key))?;
-    let value = Value::of_toml(value_of(document, row.key)?)?;
-    value.number()?;
-    let mut rest: toml::Table = text.parse().ok()?;
-    let (sections, name) = row.key.rsplit_once('.').unwrap_or(("", row.key));
-    let sections = sections.split('.').filter(|section| !section.is_empty());
-    sections.fold(Some(&mut rest), |table, section| table?.get_mut(section)?.as_table_mut())?.remove(name);
-    let machine = MachineSpec::deserialize(rest).unwrap_or_default();
-    check(PARAMETERS, &machine).ok()?;
-    row.fault(&machine, &value)
 }

@@ -1,7 +1,10 @@
 //! A value that is not legal, and what to say of it.
 
+use crate::locate::value_of;
 use crate::{Legal, Parameter, Value};
+use serde::de::DeserializeOwned;
 use std::fmt;
+use toml::de::DeTable;
 
 /// A parameter whose value is not legal.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +31,26 @@ impl std::error::Error for Fault {}
 /// The first that is not.
 pub fn check<T>(table: &[Parameter<T>], of: &T) -> Result<(), Fault> {
     table.iter().try_for_each(|row| row.check(of))
+}
+
+/// What is wrong with a number that its field cannot hold, such as one below 0: that it is out of range, in the `T` that the text makes
+/// without it. None where it is no number, or in range.
+pub fn number_fault<T: DeserializeOwned + Default>(
+    table: &[Parameter<T>],
+    text: &str,
+    document: &DeTable,
+    key: &str,
+) -> Option<Fault> {
+    let row = table.iter().find(|row| key.split('[').next() == Some(row.key))?;
+    let value = Value::of_toml(value_of(document, row.key)?)?;
+    value.number()?;
+    let mut rest: toml::Table = text.parse().ok()?;
+    let (sections, name) = row.key.rsplit_once('.').unwrap_or(("", row.key));
+    let sections = sections.split('.').filter(|section| !section.is_empty());
+    sections.fold(Some(&mut rest), |table, section| table?.get_mut(section)?.as_table_mut())?.remove(name);
+    let of = T::deserialize(rest).unwrap_or_default();
+    check(table, &of).ok()?;
+    row.fault(&of, &value)
 }
 
 impl<T> Parameter<T> {

@@ -95,6 +95,11 @@ pub const fn kind<T, F: Field>(_: fn(&T) -> &F) -> Kind {
     F::KIND
 }
 
+/// The kind of the list of the field that a function gives, over elements.
+pub const fn kind_of_each<E, F: Field>(_: fn(&E) -> &F) -> Kind {
+    Kind::List(&F::KIND)
+}
+
 /// Whether the field that a function gives may be absent.
 pub const fn optional<T, F: Field>(_: fn(&T) -> &F) -> bool {
     F::OPTIONAL

@@ -137,6 +137,7 @@ impl fmt::Display for Legal {
         match self {
             Legal::Anything => f.write_str("anything"),
             Legal::Whole { low, high } if low == high => write!(f, "only {low}"),
+            Legal::Whole { low, high } if *high == i64::MAX.into() => write!(f, "{low} and up"),
             Legal::Whole { low, high } => write!(f, "{low} to {high}"),
             &Legal::Real { low, high, open } => match (low == f64::MIN, high == f64::MAX) {
                 (true, true) => f.write_str("a finite number"),
@@ -243,6 +244,7 @@ mod tests {
         for (legal, text) in [
             (Legal::whole(1, 4096), "1 to 4096"),
             (Legal::whole(1, 1), "only 1"),
+            (Legal::whole(0, i64::MAX.into()), "0 and up"),
             (Legal::below(0.0, 1.0), "0 to below 1"),
             (Legal::above(0.0, 1000.0), "above 0 and at most 1000"),
             (Legal::above(0.0, f64::MAX), "a finite number above 0"),

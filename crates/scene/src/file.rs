@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use cube3_parameter::Unread;
 use cube3_parameter::locate::{line_at, span_of};
+use cube3_parameter::{Unread, number_fault};
 use toml::de::DeTable;
 
 use crate::scene::validate_schema;
-use crate::{Place, Scene, SceneError};
+use crate::{Place, SCENE_PARAMETERS, Scene, SceneError};
 
 impl Scene {
     /// The default scene as a text to edit: every key explained, optional ones commented out.
@@ -34,7 +34,13 @@ impl Scene {
         {
             validate_schema(schema).map_err(with_place)?;
         }
-        let scene: Scene = toml::from_str(text).map_err(|error| toml_error(&error, text, document, source_name))?;
+        let scene: Scene = toml::from_str(text).map_err(|error| {
+            let error = toml_error(&error, text, document, source_name);
+            match number_fault(SCENE_PARAMETERS, text, document, error.key()) {
+                Some(fault) => with_place(SceneError::out_of_range(&fault)),
+                None => error,
+            }
+        })?;
         scene.validate().map_err(with_place)?;
         Ok(scene)
     }
