@@ -94,7 +94,7 @@ impl Fault {
             Legal::OneOf(values) if values.len() == 1 => format!("{value} is not {}{unit}{because}", values[0]),
             Legal::OneOf(_) | Legal::Real { open: [true, _], .. } => format!("{value} is not {legal}{unit}{because}"),
             Legal::Real { low, high, .. } if *low == f64::MIN || *high == f64::MAX => {
-                format!("{value} is not {legal}{unit}{because}")
+                format!("{value} is not {legal}{because}")
             }
             _ => format!("{value} is outside {legal}{unit}{because}"),
         }
@@ -104,6 +104,7 @@ impl Fault {
     pub fn remedy(&self) -> String {
         match (&self.nearest, &self.legal) {
             (Value::Absent, _) => "leave it out".to_owned(),
+            _ if matches!(self.value, Value::Real(value) if value.is_nan()) => "give a number".to_owned(),
             (Value::Real(nearest), _) if nearest.abs() == f64::MAX => "give a finite number".to_owned(),
             (Value::Real(nearest), Legal::Real { low, open: [true, _], .. }) if *nearest == low.next_up() => {
                 format!("the nearest legal value is just above {low}")

@@ -9,7 +9,11 @@ pub fn parameter_list(parameters: &[Description]) -> String {
     for part in parameters.chunk_by(|a, b| a.section() == b.section()) {
         let section = part.first().map_or("", Description::section);
         if !section.is_empty() {
-            text += &format!("\n[{section}]\n");
+            let table = match section.strip_suffix("[]") {
+                Some(list) => format!("[[{list}]]"),
+                None => format!("[{section}]"),
+            };
+            text += &format!("\n{table}\n");
         }
         let rows = part.iter().map(|parameter| {
             let default = match &parameter.default {

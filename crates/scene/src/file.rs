@@ -6,8 +6,8 @@ use cube3_parameter::locate::{line_at, span_of};
 use cube3_parameter::{Unread, number_fault};
 use toml::de::DeTable;
 
-use crate::scene::validate_schema;
-use crate::{Place, SCENE_PARAMETERS, Scene, SceneError};
+use crate::check::Checked;
+use crate::{Place, SCENE_PARAMETERS, SCHEMA, Scene, SceneError};
 
 impl Scene {
     /// The default scene as a text to edit: every key explained, optional ones commented out.
@@ -77,4 +77,16 @@ impl Scene {
 fn toml_error(error: &toml::de::Error, text: &str, document: &DeTable, source_name: &str) -> SceneError {
     let Unread { line, key, reason, right } = Unread::new(error, text, document);
     SceneError::Invalid { place: Place { file: Some(source_name.to_owned()), line, key }, reason, right }
+}
+
+/// `schema` is a format that this program reads.
+fn validate_schema(schema: i64) -> Checked {
+    if (1..=i64::from(SCHEMA)).contains(&schema) {
+        return Ok(());
+    }
+    Err(SceneError::at(
+        "schema",
+        format!("the scene has format {schema}"),
+        format!("give a scene of format 1 to {SCHEMA}"),
+    ))
 }

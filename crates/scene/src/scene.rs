@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::check::{self, Checked};
+use crate::check;
 use crate::{
     Crop, Cut, DepthCue, Image, Light, MOST_CUTS, MOST_LIGHTS, Material, Mode, Path, SCENE_PARAMETERS, SceneError,
     Threshold, Transfer, View, VolumeSource,
@@ -84,7 +84,6 @@ impl Scene {
     /// of its range, points out of order, a vector without direction, a pixel size in a perspective view,
     /// too many cuts or lights.
     pub fn validate(&self) -> Result<(), SceneError> {
-        validate_schema(i64::from(self.schema))?;
         check_rows(SCENE_PARAMETERS, self).map_err(|fault| SceneError::out_of_range(&fault))?;
         self.volume.validate()?;
         self.view.validate()?;
@@ -104,16 +103,4 @@ impl Scene {
         self.crop.as_ref().map_or(Ok(()), Crop::validate)?;
         self.threshold.as_ref().map_or(Ok(()), Threshold::validate)
     }
-}
-
-/// `schema` is a format that this program reads.
-pub(crate) fn validate_schema(schema: i64) -> Checked {
-    if (1..=i64::from(SCHEMA)).contains(&schema) {
-        return Ok(());
-    }
-    Err(SceneError::at(
-        "schema",
-        format!("the scene has format {schema}"),
-        format!("give a scene of format 1 to {SCHEMA}"),
-    ))
 }

@@ -5,6 +5,7 @@ mod list;
 mod machine;
 mod run;
 mod scene;
+mod scene_file;
 mod vectors;
 mod verify;
 mod volume;
@@ -36,6 +37,8 @@ enum Command {
     Volume(volume::VolumeArguments),
     /// Look at machines: presets, parameters, a machine with every key.
     Machine(machine::MachineArguments),
+    /// Look at scenes: parameters, a scene with every key.
+    Scene(scene_file::SceneFileArguments),
     /// Speed, as ratios and as fractions of the hardware's limit.
     Bench(bench::BenchArguments),
 }
@@ -53,6 +56,7 @@ impl Arguments {
             Some(Command::Verify(arguments)) => arguments.execute(),
             Some(Command::Volume(arguments)) => arguments.execute(),
             Some(Command::Machine(arguments)) => arguments.execute(),
+            Some(Command::Scene(arguments)) => arguments.execute(),
             Some(Command::Bench(arguments)) => arguments.execute(),
         }
     }
