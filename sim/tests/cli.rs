@@ -211,7 +211,10 @@ fn mistakes_get_one_message_and_exit_code_2_and_lose_nothing() {
         (&["--tilt", "nan"], "tilt"),
         (&["--eye", "1,-2,3"], "--eye is for perspective views"),
         (&["--distance", "90"], "give --fov DEGREES too"),
-        (&["--fov", "180"], "view.perspective.field_of_view_deg: 180 is out of range; give a number from 0.001 to 179"),
+        (
+            &["--fov", "180"],
+            "view.perspective.field_of_view_deg: 180.0 is outside 0.001 to 179 degrees; the nearest legal value is 179.0",
+        ),
         (&["--fov", "40", "--eye", "1,2"], "give three numbers, e.g. 63.5,-150,63.5"),
         (&["--fov", "40", "--eye", "1,nan,2"], "view.perspective.eye_voxel[1]"),
         (&["--fov", "40", "--eye=-1,1,2", "--distance", "3"], "cannot be used with"),

@@ -1,5 +1,6 @@
 //! What an architect chooses among: each kind of unit, with its names in machine files.
 
+use cube3_parameter::Choice;
 use serde::{Deserialize, Serialize};
 
 /// How written and read voxels share the memory modules.
@@ -123,13 +124,7 @@ pub enum MemoryType {
 impl MemoryType {
     /// The name in machine files.
     pub fn key(self) -> &'static str {
-        match self {
-            MemoryType::Ideal => "ideal",
-            MemoryType::Vram => "vram",
-            MemoryType::FastPage => "fast-page",
-            MemoryType::Sdram => "sdram",
-            MemoryType::Hbm => "hbm",
-        }
+        self.name()
     }
 }
 

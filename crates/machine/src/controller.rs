@@ -89,16 +89,6 @@ pub enum BurstOrder {
     Sequential,
 }
 
-impl BurstOrder {
-    /// The name in machine files.
-    pub fn name(self) -> &'static str {
-        match self {
-            BurstOrder::Interleaved => "interleaved",
-            BurstOrder::Sequential => "sequential",
-        }
-    }
-}
-
 /// What the look-ahead of a module counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -5,10 +5,16 @@
 
 mod choices;
 mod controller;
+mod error;
 mod estimators;
+mod file;
 mod memory;
+mod names;
 pub mod operators;
+mod parameters;
 mod presets;
+mod printed;
+mod relations;
 mod spec;
 
 pub use choices::{
@@ -16,11 +22,13 @@ pub use choices::{
     ShadingUnit, TemplateRule,
 };
 pub use controller::{BankHash, BankHashRow, BurstOrder, ControllerKind, LookAheadFreed, LookAheadUnit};
+pub use error::MachineError;
 pub use estimators::{Differences, ESTIMATORS, Estimator};
 pub use memory::{Command, Constraint, MemoryModel, Rows, Scope, Span};
 pub use operators::OperatorCounts;
-pub use presets::PRESETS;
+pub use parameters::{PARAMETERS, SECTIONS};
+pub use presets::{PRESETS, about};
+pub use relations::Conflict;
 pub use spec::{
-    Abc, Acquisition, Boards, Bus, Cfb, ChannelSize, Channels, Cone, Dsb, Frames, HostLink, MachineError, MachineSpec,
-    Rays, Trilin,
+    Abc, Acquisition, Boards, Bus, Cfb, ChannelSize, Channels, Cone, Dsb, Frames, HostLink, MachineSpec, Rays, Trilin,
 };

@@ -18,6 +18,7 @@ mod html;
 mod json;
 mod measures;
 mod opacity_report;
+mod parameter_list;
 mod png;
 mod quantity;
 mod resources_report;
@@ -32,6 +33,7 @@ pub use error::ReportError;
 pub use html::{Figure, html};
 pub use json::{from_json, to_json, write_json};
 pub use opacity_report::{OpacityChange, OpacityReport};
+pub use parameter_list::{name_list, parameter_list};
 pub use png::{png_rgb8, to_rgb8};
 pub use quantity::{count, number, percentage};
 pub use resources_report::{

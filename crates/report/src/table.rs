@@ -117,7 +117,7 @@ fn left_out(enabled: bool, left_out: &[LeftOut]) -> String {
 }
 
 /// Rows in columns two spaces from the left; the columns in `right` end flush.
-fn render(header: &[&str], rows: Vec<Vec<String>>, right: &[usize]) -> String {
+pub(crate) fn render(header: &[&str], rows: Vec<Vec<String>>, right: &[usize]) -> String {
     let mut table = Table::new();
     table.load_style(NOTHING).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH - 1);
     if !header.is_empty() {

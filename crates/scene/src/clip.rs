@@ -48,8 +48,7 @@ impl Cut {
     }
 
     pub(crate) fn validate(&self, index: usize) -> Checked {
-        check::direction(&format!("cut[{index}].normal"), self.normal)?;
-        check::point(&format!("cut[{index}].through_voxel"), self.through_voxel)
+        check::direction(&format!("cut[{index}].normal"), self.normal)
     }
 }
 
@@ -60,8 +59,6 @@ impl Crop {
     }
 
     pub(crate) fn validate(&self) -> Checked {
-        check::point("crop.min_voxel", self.min_voxel)?;
-        check::point("crop.max_voxel", self.max_voxel)?;
         for i in 0..3 {
             let (min, max) = (self.min_voxel[i], self.max_voxel[i]);
             if min > max {
@@ -83,9 +80,6 @@ impl Threshold {
     }
 
     pub(crate) fn validate(&self) -> Checked {
-        for (key, bound) in [("threshold.low", self.low), ("threshold.high", self.high)] {
-            bound.map_or(Ok(()), |bound| check::finite(key, bound))?;
-        }
         if let (Some(low), Some(high)) = (self.low, self.high)
             && low > high
         {

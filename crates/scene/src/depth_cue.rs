@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use crate::ViewFrame;
-use crate::check::{self, Checked};
 
 /// A factor on the colour of each sample, linear in the sample's depth along the view.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -27,11 +26,6 @@ impl DepthCue {
     pub fn factor_at(&self, depth: f64) -> f64 {
         let depth = depth.clamp(0.0, 1.0);
         self.front * (1.0 - depth) + self.back * depth
-    }
-
-    pub(crate) fn validate(&self) -> Checked {
-        check::within("depth_cue.front", self.front, 0.0, 1.0)?;
-        check::within("depth_cue.back", self.back, 0.0, 1.0)
     }
 }
 

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use cube3_parameter::Fault;
 use thiserror::Error;
 
 /// Why there is no scene: one message with the place, the reason and what would be right.
@@ -44,6 +45,11 @@ impl SceneError {
             reason: reason.into(),
             right: right.into(),
         }
+    }
+
+    /// A value of a scene out of its range.
+    pub(crate) fn out_of_range(fault: &Fault) -> Self {
+        SceneError::at(&fault.key, fault.reason(), fault.remedy())
     }
 
     /// The same error, in `line` of the text called `file`.

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
+use cube3_parameter::locate::{line_at, span_of};
+use cube3_parameter::{Unread, number_fault};
 use toml::de::DeTable;
 
-use crate::explain::explain;
-use crate::locate::{key_at, line_at, span_of};
-use crate::scene::validate_schema;
-use crate::{Place, Scene, SceneError};
+use crate::check::Checked;
+use crate::{Place, SCENE_PARAMETERS, SCHEMA, Scene, SceneError};
 
 impl Scene {
     /// The default scene as a text to edit: every key explained, optional ones commented out.
@@ -34,7 +34,13 @@ impl Scene {
         {
             validate_schema(schema).map_err(with_place)?;
         }
-        let scene: Scene = toml::from_str(text).map_err(|error| toml_error(&error, text, document, source_name))?;
+        let scene: Scene = toml::from_str(text).map_err(|error| {
+            let error = toml_error(&error, text, document, source_name);
+            match number_fault(SCENE_PARAMETERS, text, document, error.key()) {
+                Some(fault) => with_place(SceneError::out_of_range(&fault)),
+                None => error,
+            }
+        })?;
         scene.validate().map_err(with_place)?;
         Ok(scene)
     }
@@ -69,15 +75,18 @@ impl Scene {
 
 /// The TOML reader's error, with its place in `text`.
 fn toml_error(error: &toml::de::Error, text: &str, document: &DeTable, source_name: &str) -> SceneError {
-    let start = error.span().map(|span| span.start);
-    let (reason, right) = explain(error.message());
-    SceneError::Invalid {
-        place: Place {
-            file: Some(source_name.to_owned()),
-            line: start.map(|start| line_at(text, start)),
-            key: start.map_or_else(String::new, |start| key_at(document, start)),
-        },
-        reason,
-        right,
+    let Unread { line, key, reason, right } = Unread::new(error, text, document);
+    SceneError::Invalid { place: Place { file: Some(source_name.to_owned()), line, key }, reason, right }
+}
+
+/// `schema` is a format that this program reads.
+fn validate_schema(schema: i64) -> Checked {
+    if (1..=i64::from(SCHEMA)).contains(&schema) {
+        return Ok(());
     }
+    Err(SceneError::at(
+        "schema",
+        format!("the scene has format {schema}"),
+        format!("give a scene of format 1 to {SCHEMA}"),
+    ))
 }

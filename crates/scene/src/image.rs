@@ -2,9 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::SceneError;
-use crate::check::{self, Checked};
-
 /// The largest width and height of a picture, in pixels.
 pub const LARGEST_IMAGE_PX: u32 = 16384;
 
@@ -25,20 +22,5 @@ pub struct Image {
 impl Default for Image {
     fn default() -> Self {
         Image { width_px: 512, height_px: 512, pixel_size_voxel: None }
-    }
-}
-
-impl Image {
-    pub(crate) fn validate(&self) -> Checked {
-        for (key, pixels) in [("image.width_px", self.width_px), ("image.height_px", self.height_px)] {
-            if !(1..=LARGEST_IMAGE_PX).contains(&pixels) {
-                return Err(SceneError::at(
-                    key,
-                    format!("a picture cannot be {pixels} pixels across"),
-                    format!("give a whole number from 1 to {LARGEST_IMAGE_PX}"),
-                ));
-            }
-        }
-        self.pixel_size_voxel.map_or(Ok(()), |size| check::positive("image.pixel_size_voxel", size, f64::INFINITY))
     }
 }

@@ -35,10 +35,8 @@ impl Default for Light {
 
 impl Light {
     pub(crate) fn validate(&self, index: usize) -> Checked {
-        if let Some(direction) = self.direction {
-            check::direction(&format!("light[{index}].direction"), direction)?;
-        }
-        check::colour(&format!("light[{index}].colour"), self.colour)
+        let key = format!("light[{index}].direction");
+        self.direction.map_or(Ok(()), |direction| check::direction(&key, direction))
     }
 }
 

@@ -2,11 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::check::{self, Checked};
-
-/// The largest Phong exponent.
-const LARGEST_SHININESS: f64 = 1000.0;
-
 /// The coefficients of the [`phong`](crate::phong()) model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -28,14 +23,5 @@ pub struct Material {
 impl Default for Material {
     fn default() -> Self {
         Material { shaded: true, ambient: 0.1, diffuse: 0.7, specular: 0.2, shininess: 10.0, two_sided: true }
-    }
-}
-
-impl Material {
-    pub(crate) fn validate(&self) -> Checked {
-        check::within("material.ambient", self.ambient, 0.0, 1.0)?;
-        check::within("material.diffuse", self.diffuse, 0.0, 1.0)?;
-        check::within("material.specular", self.specular, 0.0, 1.0)?;
-        check::positive("material.shininess", self.shininess, LARGEST_SHININESS)
     }
 }

@@ -31,6 +31,16 @@ impl Mode {
     pub const ALL: [Mode; 6] =
         [Mode::Composite, Mode::FirstOpaque, Mode::LastOpaque, Mode::Maximum, Mode::Minimum, Mode::WeightedSum];
 
+    /// Every mode with its name in files and on the command line, in the same order.
+    pub const NAMES: [(Mode, &'static str); 6] = [
+        (Mode::Composite, "composite"),
+        (Mode::FirstOpaque, "first-opaque"),
+        (Mode::LastOpaque, "last-opaque"),
+        (Mode::Maximum, "maximum"),
+        (Mode::Minimum, "minimum"),
+        (Mode::WeightedSum, "weighted-sum"),
+    ];
+
     /// The number of the mode in registers and vectors: its place in [`Mode::ALL`].
     pub const fn code(self) -> u32 {
         self as u32
@@ -48,14 +58,7 @@ impl Mode {
 
     /// The name of the mode in files and on the command line.
     pub const fn name(self) -> &'static str {
-        match self {
-            Mode::Composite => "composite",
-            Mode::FirstOpaque => "first-opaque",
-            Mode::LastOpaque => "last-opaque",
-            Mode::Maximum => "maximum",
-            Mode::Minimum => "minimum",
-            Mode::WeightedSum => "weighted-sum",
-        }
+        Mode::NAMES[self as usize].1
     }
 }
 

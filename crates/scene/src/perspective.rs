@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::SceneError;
-use crate::check::{self, Checked};
+use crate::check::Checked;
 
 /// The smallest and the largest field of view, in degrees: within them, the rays through a picture spread and
 /// do not run along it.
@@ -37,24 +37,12 @@ impl Perspective {
     }
 
     pub(crate) fn validate(&self) -> Checked {
-        let [narrowest, widest] = FIELD_OF_VIEW_DEG;
-        check::within("view.perspective.field_of_view_deg", self.field_of_view_deg, narrowest, widest)?;
-        if let Some(eye) = self.eye_voxel {
-            for (i, at) in eye.into_iter().enumerate() {
-                let key = format!("view.perspective.eye_voxel[{i}]");
-                check::within(&key, at, -FARTHEST_EYE_VOXEL, FARTHEST_EYE_VOXEL)?;
-            }
-        }
-        if let Some(distance) = self.distance_voxel {
-            let key = "view.perspective.distance_voxel";
-            check::within(key, distance, 0.0, FARTHEST_EYE_VOXEL)?;
-            if self.eye_voxel.is_some() {
-                return Err(SceneError::at(
-                    key,
-                    "the eye and its distance are both given",
-                    "give only one of `eye_voxel` and `distance_voxel`",
-                ));
-            }
+        if self.distance_voxel.is_some() && self.eye_voxel.is_some() {
+            return Err(SceneError::at(
+                "view.perspective.distance_voxel",
+                "the eye and its distance are both given",
+                "give only one of `eye_voxel` and `distance_voxel`",
+            ));
         }
         Ok(())
     }

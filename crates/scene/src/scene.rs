@@ -2,11 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::check::{self, Checked};
+use crate::check;
 use crate::{
-    Crop, Cut, DepthCue, Image, Light, MOST_CUTS, MOST_LIGHTS, Material, Mode, Path, SceneError, Threshold, Transfer,
-    View, VolumeSource,
+    Crop, Cut, DepthCue, Image, Light, MOST_CUTS, MOST_LIGHTS, Material, Mode, Path, SCENE_PARAMETERS, SceneError,
+    Threshold, Transfer, View, VolumeSource,
 };
+use cube3_parameter::check as check_rows;
 
 /// The number of the scene's format: a file that names a later one was written for another version. In format 1 a volume file was
 /// drawn as it is stored; since 2 its directions count ([`crate::FileAxes`]).
@@ -75,7 +76,7 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// Checks every number of the scene, so that no renderer has to.
+    /// Checks every value of the scene: its range first, by [`SCENE_PARAMETERS`], then what must hold between values, so that no renderer has to.
     ///
     /// # Errors
     ///
@@ -83,12 +84,10 @@ impl Scene {
     /// of its range, points out of order, a vector without direction, a pixel size in a perspective view,
     /// too many cuts or lights.
     pub fn validate(&self) -> Result<(), SceneError> {
-        validate_schema(i64::from(self.schema))?;
-        check::colour("background", self.background)?;
+        check_rows(SCENE_PARAMETERS, self).map_err(|fault| SceneError::out_of_range(&fault))?;
         self.volume.validate()?;
         self.view.validate()?;
         self.path.as_ref().map_or(Ok(()), |path| path.validate(&self.view))?;
-        self.image.validate()?;
         if self.view.perspective.is_some() && self.image.pixel_size_voxel.is_some() {
             return Err(SceneError::at(
                 "image.pixel_size_voxel",
@@ -97,25 +96,11 @@ impl Scene {
             ));
         }
         self.transfer.validate()?;
-        self.material.validate()?;
         check::at_most("light", self.lights.len(), MOST_LIGHTS)?;
         self.lights.iter().enumerate().try_for_each(|(i, light)| light.validate(i))?;
         check::at_most("cut", self.cuts.len(), MOST_CUTS)?;
         self.cuts.iter().enumerate().try_for_each(|(i, cut)| cut.validate(i))?;
-        self.depth_cue.as_ref().map_or(Ok(()), DepthCue::validate)?;
         self.crop.as_ref().map_or(Ok(()), Crop::validate)?;
         self.threshold.as_ref().map_or(Ok(()), Threshold::validate)
     }
-}
-
-/// `schema` is a format that this program reads.
-pub(crate) fn validate_schema(schema: i64) -> Checked {
-    if (1..=i64::from(SCHEMA)).contains(&schema) {
-        return Ok(());
-    }
-    Err(SceneError::at(
-        "schema",
-        format!("the scene has format {schema}"),
-        format!("give a scene of format 1 to {SCHEMA}"),
-    ))
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::SceneError;
-use crate::check::{self, Checked};
+use crate::check::Checked;
 
 /// The largest side of a phantom, in voxels.
 pub const LARGEST_PHANTOM_VOXELS: usize = 4096;
@@ -203,17 +203,6 @@ impl VolumeSource {
             }
             Some(_) => {}
         }
-        check::finite("volume.phase", self.phase.unwrap_or_default())?;
-        check::finite("volume.phase_per_frame", self.phase_per_frame.unwrap_or_default())?;
-        if let Some(size) = self.size_voxels
-            && !(1..=LARGEST_PHANTOM_VOXELS).contains(&size)
-        {
-            return Err(SceneError::at(
-                "volume.size_voxels",
-                format!("a phantom cannot have {size} voxels on a side"),
-                format!("give a whole number from 1 to {LARGEST_PHANTOM_VOXELS}"),
-            ));
-        }
         if self.labels && self.window.is_some() {
             return Err(SceneError::at(
                 "volume.window",
@@ -221,16 +210,14 @@ impl VolumeSource {
                 "leave `window` or `labels` out",
             ));
         }
-        if let Some([low, high]) = self.window {
-            check::finite("volume.window[0]", low)?;
-            check::finite("volume.window[1]", high)?;
-            if low >= high {
-                return Err(SceneError::at(
-                    "volume.window",
-                    format!("the window from {low} to {high} is empty"),
-                    "give the low value first and a higher one second",
-                ));
-            }
+        if let Some([low, high]) = self.window
+            && low >= high
+        {
+            return Err(SceneError::at(
+                "volume.window",
+                format!("the window from {low} to {high} is empty"),
+                "give the low value first and a higher one second",
+            ));
         }
         Ok(())
     }

@@ -130,7 +130,7 @@ fn each_message_has_the_place_the_reason_and_what_is_right() {
         ("[view]\n\nyaw_deg = \"left\"\n", "scene.toml:3: view.yaw_deg: invalid type: string \"left\"; give a number"),
         (
             "[transfer]\nopacity = [\n  [80, 0],\n  [90, 1.5],\n]\n",
-            "scene.toml:4: transfer.opacity[1][1]: 1.5 is out of range; give a number from 0 to 1",
+            "scene.toml:4: transfer.opacity[1][1]: 1.5 is outside 0 to 1; the nearest legal value is 1.0",
         ),
         (
             "[view]\nyaw_deg = 3\ndirection = [1, 0, 0]\n",

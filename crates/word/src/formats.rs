@@ -51,9 +51,52 @@ impl Default for Words {
     }
 }
 
+/// One of the lengths: its range, and where it is.
+#[derive(Clone, Copy, Debug)]
+pub struct Length {
+    /// The key.
+    pub name: &'static str,
+    /// The smallest length.
+    pub low: u32,
+    /// The largest length, where the other words are wide.
+    pub high: u32,
+    /// The largest length where the other words are as they are, if that is less.
+    pub limit: fn(&Words) -> u32,
+    /// Why, where another word sets the limit; else empty.
+    pub because: &'static str,
+    /// The length in bits.
+    pub of: fn(&Words) -> u32,
+    /// The same, to be set.
+    pub of_mut: fn(&mut Words) -> &mut u32,
+}
+
+macro_rules! length {
+    ($name:ident, $low:literal, $high:literal) => {
+        length!($name, $low, $high, |_| $high, "")
+    };
+    ($name:ident, $low:literal, $high:literal, $limit:expr, $because:literal) => {
+        Length {
+            name: stringify!($name),
+            low: $low,
+            high: $high,
+            limit: $limit,
+            because: $because,
+            of: |words| words.$name,
+            of_mut: |words| &mut words.$name,
+        }
+    };
+}
+
+impl Length {
+    /// The largest length among these words.
+    pub fn largest(&self, words: &Words) -> u32 {
+        self.high.min((self.limit)(words))
+    }
+}
+
 /// A word length outside of what the units can hold.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("words.{name} = {bits} is outside {low} to {high}{because}")]
+#[error("words.{name} = {bits} is outside {low} to {high}{}", if because.is_empty() { String::new() } else { format!(" ({because})") })]
 pub struct WordError {
     /// The key.
     pub name: &'static str,
@@ -68,6 +111,47 @@ pub struct WordError {
 }
 
 impl Words {
+    /// Voxel word.
+    pub const VOXEL: Length = length!(voxel_bits, 1, 16);
+    /// Fraction of interpolation weights.
+    pub const WEIGHT: Length = length!(weight_bits, 0, 12);
+    /// Bits that a sample has below the voxel's.
+    pub const SAMPLE_FRACTION: Length = length!(sample_fraction_bits, 0, 8);
+    /// Gradient component.
+    pub const GRADIENT: Length = length!(
+        gradient_bits,
+        2,
+        24,
+        |words| words.sample_bits() + 1,
+        "a sample difference has one bit more than a sample; 24 at most"
+    );
+    /// Component of the normalised gradient.
+    pub const NORMAL: Length = length!(normal_bits, 4, 15);
+    /// Index of the classification table.
+    pub const TABLE: Length = length!(table_bits, 1, 16, |words| words.sample_bits(), "no more than a sample has");
+    /// Index over the gradient's magnitude.
+    pub const TABLE_GRADIENT: Length = length!(table_gradient_bits, 1, 8);
+    /// Colour component.
+    pub const COLOUR: Length = length!(colour_bits, 1, 16);
+    /// Opacity out of the table.
+    pub const OPACITY: Length = length!(opacity_bits, 1, 16);
+    /// Colour and opacity in the cone.
+    pub const ACCUMULATOR: Length = length!(accumulator_bits, 1, 32);
+
+    /// Every length, from the memory to the pixel.
+    pub const LENGTHS: &'static [Length; 10] = &[
+        Words::VOXEL,
+        Words::WEIGHT,
+        Words::SAMPLE_FRACTION,
+        Words::GRADIENT,
+        Words::NORMAL,
+        Words::TABLE,
+        Words::TABLE_GRADIENT,
+        Words::COLOUR,
+        Words::OPACITY,
+        Words::ACCUMULATOR,
+    ];
+
     /// Sample width: voxel and fraction bits.
     pub fn sample_bits(&self) -> u32 {
         self.voxel_bits + self.sample_fraction_bits
@@ -83,27 +167,11 @@ impl Words {
     /// # Errors
     /// The first length that is not.
     pub fn check(&self) -> Result<(), WordError> {
-        let check = |name, bits, low, high, because| {
+        Words::LENGTHS.iter().try_for_each(|length| {
+            let &Length { name, low, because, .. } = length;
+            let (bits, high) = ((length.of)(self), length.largest(self));
             if (low..=high).contains(&bits) { Ok(()) } else { Err(WordError { name, bits, low, high, because }) }
-        };
-        check("voxel_bits", self.voxel_bits, 1, 16, "")?;
-        check("weight_bits", self.weight_bits, 0, 12, "")?;
-        check("sample_fraction_bits", self.sample_fraction_bits, 0, 8, "")?;
-        let widest = (self.sample_bits() + 1).min(24);
-        check(
-            "gradient_bits",
-            self.gradient_bits,
-            2,
-            widest,
-            " (a sample difference has one bit more than a sample; 24 at most)",
-        )?;
-        check("normal_bits", self.normal_bits, 4, 15, "")?;
-        let index = self.sample_bits().min(16);
-        check("table_bits", self.table_bits, 1, index, " (no more than a sample has)")?;
-        check("table_gradient_bits", self.table_gradient_bits, 1, 8, "")?;
-        check("colour_bits", self.colour_bits, 1, 16, "")?;
-        check("opacity_bits", self.opacity_bits, 1, 16, "")?;
-        check("accumulator_bits", self.accumulator_bits, 1, 32, "")
+        })
     }
 }
 
@@ -120,6 +188,25 @@ mod tests {
         assert_eq!((error.name, error.high), ("gradient_bits", 17));
         let narrow = Words { voxel_bits: 1, gradient_bits: 2, table_bits: 1, ..Words::default() };
         narrow.check().unwrap();
+    }
+
+    #[test]
+    fn every_length_has_its_own_field_and_both_its_ends_are_legal() {
+        let wide = Words { sample_fraction_bits: 8, gradient_bits: 24, table_bits: 16, ..Words::default() };
+        for length in *Words::LENGTHS {
+            let with = |bits| {
+                let mut words = wide;
+                *(length.of_mut)(&mut words) = bits;
+                assert_eq!((length.of)(&words), bits);
+                words.check().map_err(|error| error.name)
+            };
+            let outside = Err(length.name);
+            assert_eq!((with(length.high), with(length.high + 1)), (Ok(()), outside));
+            assert!(length.low == 0 || with(length.low - 1) == outside);
+            let mut narrow = Words { voxel_bits: 16, gradient_bits: 2, table_bits: 1, ..Words::default() };
+            *(length.of_mut)(&mut narrow) = length.low;
+            assert_eq!(narrow.check(), Ok(()));
+        }
     }
 
     #[test]

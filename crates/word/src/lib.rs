@@ -16,7 +16,7 @@ mod probe;
 mod rounding;
 mod unit;
 
-pub use formats::{WordError, Words};
+pub use formats::{Length, WordError, Words};
 pub use lanes::{BLOCK, Block, LerpLanes, block, put_block, turn, vectorised};
 pub use probe::Probe;
 pub use rounding::{Rounding, Shift, lerp, lerp_wires, saturate};

@@ -15,6 +15,14 @@ pub enum Rounding {
 }
 
 impl Rounding {
+    /// Every rounding with its name in machine files.
+    pub const NAMES: [(Rounding, &'static str); 2] = [(Rounding::Nearest, "nearest"), (Rounding::Truncate, "truncate")];
+
+    /// The name in machine files.
+    pub const fn name(self) -> &'static str {
+        Rounding::NAMES[self as usize].1
+    }
+
     /// `value / 2^bits`, rounded. `bits` is 0 to 62.
     #[inline(always)]
     pub fn shift_right(self, value: i64, bits: u32) -> i64 {

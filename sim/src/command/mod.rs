@@ -1,8 +1,11 @@
 //! The `cube3` command.
 
 mod bench;
+mod list;
+mod machine;
 mod run;
 mod scene;
+mod scene_file;
 mod vectors;
 mod verify;
 mod volume;
@@ -32,6 +35,10 @@ enum Command {
     Verify(Box<verify::VerifyArguments>),
     /// Look at, convert and make volumes.
     Volume(volume::VolumeArguments),
+    /// Look at machines: presets, parameters, a machine with every key.
+    Machine(machine::MachineArguments),
+    /// Look at scenes: parameters, a scene with every key.
+    Scene(scene_file::SceneFileArguments),
     /// Speed, as ratios and as fractions of the hardware's limit.
     Bench(bench::BenchArguments),
 }
@@ -48,6 +55,8 @@ impl Arguments {
             Some(Command::Vectors(arguments)) => arguments.execute(),
             Some(Command::Verify(arguments)) => arguments.execute(),
             Some(Command::Volume(arguments)) => arguments.execute(),
+            Some(Command::Machine(arguments)) => arguments.execute(),
+            Some(Command::Scene(arguments)) => arguments.execute(),
             Some(Command::Bench(arguments)) => arguments.execute(),
         }
     }

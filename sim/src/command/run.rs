@@ -209,7 +209,7 @@ impl RunArguments {
             return print(Scene::COMMENTED_DEFAULT);
         }
         if self.print_machine {
-            return print(MachineSpec::COMMENTED_DEFAULT);
+            return print(&MachineSpec::default().commented());
         }
         keep_inputs(self.scene.as_deref(), &self.machine, &self.out)?;
         let mut stops = self.stops()?;

@@ -3,7 +3,7 @@
 use super::picture::{Aim, ImageLevels};
 use super::sweeps::{Row, Sweep, ThinRow};
 use super::thin;
-use super::wire::{Order, Wire, rounding_name};
+use super::wire::{Order, Wire};
 use super::{SCHEMA, Study};
 use crate::problem::Outcome;
 use cube3_word::Words;
@@ -25,7 +25,7 @@ fn columns(case: &str, sweep: Sweep, words: &Words, order: Order, used: &[Wire],
         ("wire".into(), wire),
         ("wire_bits".into(), bits),
         ("order".into(), json!(order)),
-        ("rounding".into(), json!(rounding_name(words.rounding))),
+        ("rounding".into(), json!(words.rounding.name())),
     ];
     columns.extend(Wire::ALL.map(|wire| {
         let bits = if used.contains(&wire) { json!(wire.of(words)) } else { Value::Null };

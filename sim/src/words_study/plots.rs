@@ -118,7 +118,7 @@ fn gradient_panel(study: &Study, wire: Wire) -> Panel {
             let (what, colour, mark) =
                 if normal { ("normal", GREEN, Mark::Triangle) } else { ("gradient", BLACK, Mark::Diamond) };
             series.push(Series {
-                name: format!("{what} word, {}", super::wire::rounding_name(variant.rounding())),
+                name: format!("{what} word, {}", variant.rounding().name()),
                 look: Look { colour, dashed: truncated, mark },
                 joined: true,
                 points: study.rows.iter().filter_map(point).collect(),

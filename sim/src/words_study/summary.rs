@@ -2,7 +2,7 @@
 
 use super::picture::{Aim, Angles, Measured};
 use super::sweeps::{Base, Row, Sweep, ThinRow, shortest, shortest_thin};
-use super::wire::{Variant, Wire, rounding_name};
+use super::wire::{Variant, Wire};
 use super::{Study, thin};
 
 /// A table: its title, the heads of its columns, and rows.
@@ -202,7 +202,7 @@ pub(crate) fn front_table(study: &Study, aim: Aim) -> Table {
             million(measured.cost.memory_bits),
             million(measured.cost.total_bits()),
             row.design.order.name().into(),
-            rounding_name(row.design.words.rounding).into(),
+            row.design.words.rounding.name().into(),
         ];
         cells.extend(shown.iter().map(|wire| wire.of(&row.design.words).to_string()));
         cells

@@ -1,7 +1,7 @@
 //! The words whose length is varied, and the designs made of them.
 
 use cube3_machine::{ConeKind, ConeOrder, MachineSpec};
-use cube3_word::{Rounding, Words};
+use cube3_word::{Length, Rounding, Words};
 use serde::Serialize;
 use std::ops::RangeInclusive;
 
@@ -49,70 +49,35 @@ impl Wire {
     /// Those that reach the cone's arithmetic.
     pub const OF_THE_CONE: [Wire; 3] = [Wire::Colour, Wire::Opacity, Wire::Accumulator];
 
+    /// The length that is varied.
+    pub fn length(self) -> &'static Length {
+        &Words::LENGTHS[self as usize]
+    }
+
     /// The key in machine files, without `_bits`.
     pub fn name(self) -> &'static str {
-        match self {
-            Wire::Voxel => "voxel",
-            Wire::Weight => "weight",
-            Wire::SampleFraction => "sample_fraction",
-            Wire::Gradient => "gradient",
-            Wire::Normal => "normal",
-            Wire::Table => "table",
-            Wire::TableGradient => "table_gradient",
-            Wire::Colour => "colour",
-            Wire::Opacity => "opacity",
-            Wire::Accumulator => "accumulator",
-        }
+        self.length().name.trim_end_matches("_bits")
     }
 
     /// Legal lengths in bits, where the other words are wide.
     pub fn lengths(self) -> RangeInclusive<u32> {
-        match self {
-            Wire::Voxel | Wire::Table | Wire::Colour | Wire::Opacity => 1..=16,
-            Wire::Weight => 0..=12,
-            Wire::SampleFraction => 0..=8,
-            Wire::Gradient => 2..=24,
-            Wire::Normal => 4..=15,
-            Wire::TableGradient => 1..=8,
-            Wire::Accumulator => 1..=32,
-        }
+        self.length().low..=self.length().high
     }
 
     /// The length in bits.
     pub fn of(self, words: &Words) -> u32 {
-        match self {
-            Wire::Voxel => words.voxel_bits,
-            Wire::Weight => words.weight_bits,
-            Wire::SampleFraction => words.sample_fraction_bits,
-            Wire::Gradient => words.gradient_bits,
-            Wire::Normal => words.normal_bits,
-            Wire::Table => words.table_bits,
-            Wire::TableGradient => words.table_gradient_bits,
-            Wire::Colour => words.colour_bits,
-            Wire::Opacity => words.opacity_bits,
-            Wire::Accumulator => words.accumulator_bits,
-        }
+        (self.length().of)(words)
     }
 
     /// The words with another length here. Gradient and table index are no longer than the sample allows.
     pub fn with(self, words: Words, bits: u32) -> Words {
         let mut words = words;
-        let length = match self {
-            Wire::Voxel => &mut words.voxel_bits,
-            Wire::Weight => &mut words.weight_bits,
-            Wire::SampleFraction => &mut words.sample_fraction_bits,
-            Wire::Gradient => &mut words.gradient_bits,
-            Wire::Normal => &mut words.normal_bits,
-            Wire::Table => &mut words.table_bits,
-            Wire::TableGradient => &mut words.table_gradient_bits,
-            Wire::Colour => &mut words.colour_bits,
-            Wire::Opacity => &mut words.opacity_bits,
-            Wire::Accumulator => &mut words.accumulator_bits,
-        };
-        *length = bits;
-        let sample = words.sample_bits();
-        words.gradient_bits = words.gradient_bits.min(sample + 1);
-        words.table_bits = words.table_bits.min(sample);
+        *(self.length().of_mut)(&mut words) = bits;
+        for wire in [Wire::Gradient, Wire::Table] {
+            let length = wire.length();
+            let allowed = (length.limit)(&words).min((length.of)(&words));
+            *(length.of_mut)(&mut words) = allowed;
+        }
         words
     }
 }
@@ -186,15 +151,7 @@ impl Variant {
 
     /// The name in tables.
     pub fn name(self) -> String {
-        format!("{}, {}", self.order.name(), rounding_name(self.rounding()))
-    }
-}
-
-/// The name in tables and machine files.
-pub fn rounding_name(rounding: Rounding) -> &'static str {
-    match rounding {
-        Rounding::Nearest => "nearest",
-        Rounding::Truncate => "truncate",
+        format!("{}, {}", self.order.name(), self.rounding().name())
     }
 }
 
@@ -249,6 +206,8 @@ impl Design {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_machine::PARAMETERS;
+    use cube3_parameter::{Legal, Value};
     use proptest::prelude::*;
 
     #[test]
@@ -267,6 +226,23 @@ mod tests {
                     assert_eq!(error.name, format!("{}_bits", wire.name()));
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_wire_is_a_row_of_the_machine() {
+        for wire in Wire::ALL {
+            let name = format!("{wire:?}").to_lowercase();
+            assert_eq!(wire.name().replace('_', ""), name);
+            let row = PARAMETERS.iter().find(|row| row.key == format!("words.{}_bits", wire.name())).unwrap();
+            let mut machine = MachineSpec { words: widest(Rounding::Nearest), ..MachineSpec::default() };
+            for bits in wire.lengths() {
+                (row.set)(&mut machine, &Value::Whole(bits.into())).unwrap();
+                assert_eq!(wire.of(&machine.words), bits);
+            }
+            machine.words = widest(Rounding::Nearest);
+            let (low, high) = (*wire.lengths().start(), *wire.lengths().end());
+            assert_eq!((row.legal)(&machine), Legal::whole(low.into(), high.into()));
         }
     }
 

@@ -1,10 +1,48 @@
-//! The TOML reader's and serde's messages, in the words of a scene file.
+//! The TOML reader's and serde's messages, in the words of a file's author.
 
-/// A name is offered for an unknown one when it is at least this near (Jaro-Winkler, 0 to 1).
-const NEAR: f64 = 0.8;
+use crate::locate::{key_at, line_at};
+use crate::nearest_name;
+use std::fmt;
+use toml::de::DeTable;
+
+/// Why a text could not be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unread {
+    /// The line, from 1; none where the reader names no place.
+    pub line: Option<usize>,
+    /// The path of the key at fault; empty where no key is concerned.
+    pub key: String,
+    /// What is wrong.
+    pub reason: String,
+    /// What would be right, as an instruction.
+    pub right: String,
+}
+
+impl Unread {
+    /// What the reader's error means, in a text of which so much of a document could be read.
+    pub fn new(error: &toml::de::Error, text: &str, document: &DeTable) -> Unread {
+        let start = error.span().map(|span| span.start);
+        let (reason, right) = explain(error.message());
+        Unread {
+            line: start.map(|start| line_at(text, start)),
+            key: start.map_or_else(String::new, |start| key_at(document, start)),
+            reason,
+            right,
+        }
+    }
+}
+
+impl fmt::Display for Unread {
+    /// Key, reason and remedy.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Unread { key, reason, right, .. } = self;
+        let colon = if key.is_empty() { "" } else { ": " };
+        write!(f, "{key}{colon}{reason}; {right}")
+    }
+}
 
 /// The reason and what would be right, from one message of the TOML reader.
-pub(crate) fn explain(message: &str) -> (String, String) {
+fn explain(message: &str) -> (String, String) {
     let message = message.trim().replace('\n', " ");
     let (what, expected) = match message.split_once(", expected ") {
         Some((what, expected)) => (what, Some(expected)),
@@ -35,15 +73,9 @@ fn suggest(unknown: &str, kind: &str, listed: Option<&str>) -> String {
         return "leave it out".to_owned();
     };
     let known: Vec<&str> = listed.split('`').skip(1).step_by(2).collect();
-    let unknown = unknown.trim_matches('`').to_lowercase();
-    let nearest = known
-        .iter()
-        .map(|name| (strsim::jaro_winkler(name, &unknown), name))
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .filter(|(nearness, _)| *nearness >= NEAR);
     let all = known.join(", ");
-    match nearest {
-        Some((_, name)) => format!("did you mean `{name}`? The {kind} are {all}"),
+    match nearest_name(unknown.trim_matches('`'), known) {
+        Some(name) => format!("did you mean `{name}`? The {kind} are {all}"),
         None => format!("the {kind} are {all}"),
     }
 }

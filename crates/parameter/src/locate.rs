@@ -6,13 +6,34 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// The number of the line, from 1, that holds byte `offset` of `text`.
-pub(crate) fn line_at(text: &str, offset: usize) -> usize {
+pub fn line_at(text: &str, offset: usize) -> usize {
     1 + text.bytes().take(offset).filter(|&byte| byte == b'\n').count()
+}
+
+/// The line of the key of this path, such as `cfb.skew`; none where the text does not have it.
+pub fn line_of(text: &str, document: &DeTable, key: &str) -> Option<usize> {
+    let (span, whole) = walk(document, key)?;
+    whole.then(|| line_at(text, span.start))
+}
+
+/// The value of this path; none where the text does not have it.
+pub fn value_of<'a, 'b>(document: &'a DeTable<'b>, key: &str) -> Option<&'a DeValue<'b>> {
+    let mut parts = key.split('.');
+    let first = document.get(parts.next()?)?.get_ref();
+    parts.try_fold(first, |value, part| match value {
+        DeValue::Table(table) => table.get(part).map(Spanned::get_ref),
+        _ => None,
+    })
 }
 
 /// The bytes of the value called `key`, such as `transfer.opacity[2]`, or of the innermost part of
 /// that path that the document has. `None` if it has none.
-pub(crate) fn span_of(document: &DeTable, key: &str) -> Option<Range<usize>> {
+pub fn span_of(document: &DeTable, key: &str) -> Option<Range<usize>> {
+    walk(document, key).map(|(span, _)| span)
+}
+
+/// The bytes of the innermost part of a path that the document has, and whether that is the whole path.
+fn walk(document: &DeTable, key: &str) -> Option<(Range<usize>, bool)> {
     let mut span = None;
     let mut value: Option<&Spanned<DeValue>> = None;
     for part in key.split(['.', '[']) {
@@ -22,24 +43,24 @@ pub(crate) fn span_of(document: &DeTable, key: &str) -> Option<Range<usize>> {
             Some(DeValue::Array(array)) => {
                 let index = part.trim_end_matches(']').parse::<usize>().ok();
                 let Some(element) = index.and_then(|index| array.get(index)) else {
-                    break;
+                    return span.map(|span| (span, false));
                 };
                 span = Some(element.span());
                 value = Some(element);
                 continue;
             }
-            Some(_) => break,
+            Some(_) => None,
         };
-        let Some((name, found)) = next else { break };
+        let Some((name, found)) = next else { return span.map(|span| (span, false)) };
         span = Some(name.span());
         value = Some(found);
     }
-    span
+    span.map(|span| (span, true))
 }
 
 /// The path of the innermost key of the document whose name or value holds byte `offset`; empty if there
 /// is none.
-pub(crate) fn key_at(document: &DeTable, offset: usize) -> String {
+pub fn key_at(document: &DeTable, offset: usize) -> String {
     let mut innermost = (usize::MAX, String::new());
     search_table(document, "", offset, &mut innermost);
     innermost.1
@@ -97,6 +118,16 @@ mod tests {
         assert_eq!(line_of("a.too.deep"), Some(1));
         assert_eq!(line_of("missing"), None);
         assert_eq!(line_of(""), None);
+    }
+
+    #[test]
+    fn a_line_is_that_of_the_whole_key_alone() {
+        let document = DeTable::parse(TEXT).unwrap();
+        let line = |key| super::line_of(TEXT, document.get_ref(), key);
+        assert_eq!(["a", "b.c", "b.c[1][0]", "d[1].y"].map(line), [Some(1), Some(3), Some(5), Some(10)]);
+        assert_eq!(["b.missing", "b.c[9]", "d[1].missing", "a.too.deep", "missing"].map(line), [None; 5]);
+        assert!(value_of(document.get_ref(), "b.c").is_some_and(DeValue::is_array));
+        assert!(value_of(document.get_ref(), "b.d").is_none());
     }
 
     #[test]
