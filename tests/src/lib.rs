@@ -3,6 +3,7 @@
 pub mod error_bound;
 pub mod golden_breaks;
 pub mod house;
+pub mod known_answers;
 pub mod rtl;
 pub mod rtl_vectors;
 
