@@ -185,6 +185,27 @@ fn boards_cost_their_links() {
     assert_eq!([words.trilin, words.abc, words.cone], [2 * 2 * 8, 2 * 8, 12 * 8].map(|ray| ray * SQUARE));
 }
 
+/// Where both lack, slices are booked: what they cost is the same as without links of a width, and what links cost is beside it.
+#[test]
+fn slices_are_booked_as_without_links_where_both_are_scarce() {
+    let machine = |channels, clock_hz, link_words_per_cycle| MachineSpec {
+        bus: Bus { channels: Some(channels), clock_hz: Some(clock_hz), ..Bus::default() },
+        boards: Boards { count: 8, link_words_per_cycle, link_capacity_words: 8, ..Boards::default() },
+        ..base()
+    };
+    for (channels, clock_hz, each) in [(N / 2, 8e6, 2), (N, 4e6, 2), (N / 4, 16e6, 2), (N / 8, 8e6, 8)] {
+        let (any, _) = run(&machine(channels, clock_hz, None));
+        let (narrow, _) = run(&machine(channels, clock_hz, Some(4.0)));
+        let slices = [&any, &narrow].map(|counters| waiting(counters, "bus", Reason::BusSlice));
+        assert_eq!(slices, [SQUARE * (each - 1); 2], "{channels} channels at {clock_hz} Hz");
+        assert_eq!(waiting(&any, "bus", Reason::Link), 0);
+        let (_, account) = narrow.units.iter().find(|(name, _)| *name == "bus").unwrap();
+        assert!(account.waiting[Reason::Link as usize] > SQUARE / 4, "{account:?}");
+        let all = account.busy + account.starved + account.blocked + slices[1] + account.waiting[Reason::Link as usize];
+        assert_eq!((account.busy, all), (any.units[1].1.busy, narrow.cycles));
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
 

@@ -31,7 +31,8 @@ fn run(machine: &MachineSpec, scene: &Scene, dims: [usize; 3]) -> (Frame, RunCou
 fn closed_form(frame: &Frame, machine: &MachineSpec) -> u64 {
     let [slots, planes] = frame.setup.geometry.slot_counts().map(|n| n as u64);
     let depth = frame.setup.geometry.size[2] as u64;
-    let latency: u64 = machine.channel.named().iter().map(|(_, size)| size.latency).sum();
+    let Channels { beams, aligned, rays, samples, shaded, pixels } = machine.channel;
+    let latency: u64 = [beams, aligned, rays, samples, shaded, pixels].iter().map(|size| size.latency).sum();
     let [closes_u, closes_v] = frame.setup.geometry.closes();
     let beam = depth.div_ceil(machine.lanes as u64);
     let first_read = planes.min(2) * depth;

@@ -1,26 +1,21 @@
 //! The data sheets of the fast bus and of the skewed buffers.
 //!
-//! Bus: a beam takes ⌈n_u / lanes⌉ cycles, one without voxels a cycle. Its words queue at the links between boards, and it is taken
-//! when the last is over. Buffers: the write port takes as long for a beam, the
+//! Bus: a beam takes ⌈n_u / lanes⌉ cycles, one without voxels a cycle. Buffers: the write port takes as long for a beam, the
 //! read port ⌈n_w / lanes⌉ cycles for a pair of rays; a plane can be read when it and the one below are written, from
 //! the next cycle on, and gives its buffer back in the cycle in which its last ray leaves. Where the slots of a perspective frame need
 //! their own cells, the bus gathers all slots four times, and the buffers write the four words of a slot side by side.
 
+mod common;
+
+use common::setup;
 use cube3_cfb::Beam;
 use cube3_channel::{Account, Activity, Channel, PortState, Reason, diagnose};
 use cube3_dsb::bus::{BusUnit, NoBus};
-use cube3_dsb::{DsbSpec, DsbUnit, Links, NoPlanes, RayPair};
+use cube3_dsb::{DsbSpec, DsbUnit, NoPlanes, RayPair};
 use cube3_frame::{FrameSetup, FrameShape, Schedule};
-use cube3_host::{VolumeInfo, frame_setup, picture_setup};
-use cube3_machine::{Boards, Bus, MachineSpec};
+use cube3_host::{VolumeInfo, picture_setup};
+use cube3_machine::{Bus, MachineSpec};
 use cube3_scene::{Perspective, Scene, View};
-
-/// Rays along z, and a little along x, so that u is x.
-fn setup(machine: &MachineSpec, dims: [usize; 3]) -> FrameSetup {
-    let scene = Scene { view: View::from_direction([1e-6, 0.0, 1.0], None), ..Scene::default() };
-    let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };
-    frame_setup(&scene, machine, &volume, true).unwrap().setup
-}
 
 /// A frame of `frame_planes` planes of n beams and n ray slots on n lanes.
 fn shape(n: u32, frame_planes: u32) -> FrameShape {
@@ -356,102 +351,6 @@ fn a_beam_waits_for_the_slices_that_its_words_need() {
         assert_eq!(counters.slots, channels as u64 * (account.cycles() * ticks / every));
         assert!(counters.words <= counters.slots);
     }
-}
-
-/// So many full beams of plane 0 behind each other through the bus and over the links, into a channel with room for all: cycles in which they
-/// could be taken, the bus, and the links.
-fn over_the_links(machine: &MachineSpec, n: usize) -> (Vec<u64>, BusUnit<NoBus>, Links) {
-    let setup = setup(machine, [n, n, 1]);
-    let mut bus = BusUnit::new(machine, [Schedule::new(machine, &setup.geometry)], NoBus);
-    let mut links = Links::new(machine).unwrap();
-    let mut input = Channel::<Beam<()>>::new("beams", 2, 1).unwrap();
-    let mut aligned = Channel::<Beam<()>>::new("aligned", n + 1, 1).unwrap();
-    let (mut offered, mut taken) = (0, Vec::new());
-    for cycle in 0.. {
-        if offered < n as u32
-            && let Some(beam) = input.push_slot()
-        {
-            (beam.plane, beam.depth, beam.row) = (0, 0, Some(offered));
-            offered += 1;
-        }
-        bus.tick(std::slice::from_ref(&setup), &mut input, &mut aligned, Some(&links));
-        if aligned.pop().is_some() {
-            taken.push(cycle);
-        }
-        links.carry();
-        if let Some(words) = bus.sent() {
-            aligned.delay(links.put(words));
-        }
-        input.commit();
-        aligned.commit();
-        if taken.len() == n {
-            break;
-        }
-        assert!(cycle < 10_000, "stuck");
-    }
-    (taken, bus, links)
-}
-
-#[test]
-fn beams_are_taken_when_their_words_are_over_and_not_a_cycle_earlier() {
-    // Row v of plane 0 at depth 0 is turned back by v lanes: v words go back over every link, from half of the circle on 16 − v words on.
-    let n = 16_usize;
-    let words = |v: usize| if v < n / 2 { [0, v as u64] } else { [(n - v) as u64, 0] };
-    // Cycles of a word.
-    for every in [1, 2, 5] {
-        let boards = Boards { count: 4, link_words_per_cycle: Some(1.0 / every as f64), ..Boards::default() };
-        let machine = MachineSpec { lanes: n, boards, ..MachineSpec::default() };
-        let (taken, bus, links) = over_the_links(&machine, n);
-        // Beam v is put in cycle v + 1, the first words in cycle 2. A direction begins with the first tick after its first words, and then
-        // never rests.
-        let begins = |first: usize| (first + 1 - 2) as u64 / every * every + 2;
-        let mut expected = Vec::new();
-        let (mut on, mut back) = (0, 0);
-        for v in 0..n {
-            on += words(v)[0];
-            back += words(v)[1];
-            let over = if v == 0 {
-                2
-            } else if v < n / 2 {
-                2 + back * every
-            } else {
-                begins(n / 2) + on * every
-            };
-            expected.push(over.max(expected.last().map_or(0, |last| last + 1)));
-        }
-        assert_eq!(taken, expected, "a word in {every} cycles");
-        assert_eq!((bus.account().busy, bus.account().waiting), (n as u64, Default::default()));
-        let counters = bus.counters();
-        assert_eq!((counters.link_words, counters.link_peak), (4 * (28 + 36), n as u64 / 2));
-        for link in links.readings() {
-            assert_eq!((link.words, link.waiting), (if link.backwards { 28 } else { 36 }, 0));
-        }
-    }
-    // As wide as the beams that send the most, and wider, nothing waits.
-    for rate in [Some(8.0), Some(100.0), None] {
-        let boards = Boards { count: 4, link_words_per_cycle: rate, ..Boards::default() };
-        let (taken, _, links) = over_the_links(&MachineSpec { lanes: n, boards, ..MachineSpec::default() }, n);
-        assert_eq!(taken, (2..=17).collect::<Vec<u64>>());
-        assert_eq!(links.readings().iter().map(|link| link.peak).max(), Some(if rate.is_some() { 8 } else { 0 }));
-    }
-}
-
-#[test]
-fn a_bus_waits_for_room_on_a_full_link() {
-    let boards = Boards { count: 4, link_words_per_cycle: Some(1.0), link_capacity_words: 2, ..Boards::default() };
-    let n = 16;
-    let (taken, bus, links) = over_the_links(&MachineSpec { lanes: n, boards, ..MachineSpec::default() }, n);
-    // A link of two words takes a token when two are there, of which one goes in the same cycle: it never rests, and beams are taken as
-    // before.
-    assert_eq!(taken[n / 2 - 1], 2 + 28);
-    let account = bus.account();
-    assert!(account.waiting[Reason::Link as usize] > 20, "{account:?}");
-    assert_eq!(account.busy, n as u64);
-    assert_eq!(
-        links.readings().iter().map(|link| link.peak).max(),
-        Some(8),
-        "what a token has beyond the capacity stays with the bus"
-    );
 }
 
 /// The pass along +z of an eye before the middle of a cube.
