@@ -93,8 +93,6 @@ pub fn frame_reach(setup: &FrameSetup) -> usize {
 /// Data sheet of the ABC units for one frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AbcSpec {
-    /// Cycles of a ray: ⌈n_w / lanes⌉.
-    pub ray_cycles: u64,
     /// The order of the rays that come and of those that are shaded, and what these wait for.
     pub order: ShadingOrder,
     /// Planes of samples in the ring: above, current, below, and those that come in.
@@ -104,11 +102,7 @@ pub struct AbcSpec {
 impl AbcSpec {
     /// The data sheet for a machine and the registers of a frame, which has this schedule there.
     pub fn new(machine: &MachineSpec, setup: &FrameSetup, schedule: &Schedule) -> AbcSpec {
-        AbcSpec {
-            ray_cycles: schedule.ray_cycles(),
-            order: setup.shading_order(schedule),
-            ring: setup.ring(machine.abc.planes) as u64,
-        }
+        AbcSpec { order: setup.shading_order(schedule), ring: setup.ring(machine.abc.planes) as u64 }
     }
 }
 
@@ -235,7 +229,7 @@ impl<A: Shade> AbcUnit<A> {
         }
         let frame = ray.frame as usize;
         let (spec, arithmetic) = &mut self.frames[frame];
-        if self.state.take_spent + 1 < spec.ray_cycles {
+        if self.state.take_spent + 1 < spec.order.schedule().ray_cycles() {
             self.state.take_spent += 1;
             return Activity::Busy;
         }
@@ -264,7 +258,7 @@ impl<A: Shade> AbcUnit<A> {
         if self.state.taken <= pass.rays + order.rays_before(&pass.taken, last) {
             return Activity::Starved;
         }
-        if self.state.give_spent + 1 < spec.ray_cycles {
+        if self.state.give_spent + 1 < order.schedule().ray_cycles() {
             self.state.give_spent += 1;
             return Activity::Busy;
         }

@@ -45,7 +45,7 @@ impl Frame {
     }
 
     fn spec(&self) -> AbcSpec {
-        AbcSpec { ray_cycles: self.schedule().ray_cycles(), order: self.order(), ring: self.ring }
+        AbcSpec { order: self.order(), ring: self.ring }
     }
 
     /// How many rays must have come before a slot can be shaded.

@@ -233,10 +233,10 @@ impl Example {
                 ]
             }
             "sheet-gradient.md" | "sheet-shading.md" => {
-                let AbcSpec { ray_cycles, order, ring } = AbcSpec::new(machine, &self.setup, &schedule);
+                let AbcSpec { order, ring } = AbcSpec::new(machine, &self.setup, &schedule);
                 let [plane, slot] = order.shaded().next().unwrap_or_default();
                 vec![
-                    ("initiation interval: a ray", "⌈n_w / lanes⌉", ray_cycles),
+                    ("initiation interval: a ray", "⌈n_w / lanes⌉", schedule.ray_cycles()),
                     (
                         "rays before the first is shaded",
                         "those of the planes and rays beside it",

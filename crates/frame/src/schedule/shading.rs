@@ -9,10 +9,7 @@ use std::ops::Range;
 /// *counted* in the order in which they are shaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShadingOrder {
-    /// Ray slots of a plane, planes.
-    slots: u64,
-    planes: u64,
-    closes: [bool; 2],
+    schedule: Schedule,
     /// Whether rays wait for their neighbours at all.
     buffered: bool,
     /// How many rays and planes away neighbours are.
@@ -26,16 +23,9 @@ impl Schedule {
     /// How rays are shaded whose neighbours are `reach` rays and planes away, 1 and more; where rays are not `buffered` none is waited for.
     pub fn shading_order(&self, reach: usize, buffered: bool) -> ShadingOrder {
         let taken = self.finished();
-        let closes = self.shape.closes;
-        ShadingOrder {
-            slots: self.shape.slots as u64,
-            planes: self.shape.planes as u64,
-            closes,
-            buffered,
-            reach: reach as u64,
-            taken,
-            given: if buffered { taken.behind(reach + usize::from(closes[0])) } else { taken },
-        }
+        let behind = reach + usize::from(self.shape.closes[0]);
+        let given = if buffered { taken.behind(behind) } else { taken };
+        ShadingOrder { schedule: *self, buffered, reach: reach as u64, taken, given }
     }
 }
 
@@ -44,10 +34,22 @@ impl ShadingOrder {
     /// sections neighbours are the next rays.
     pub const BORDER: usize = 2;
 
+    /// The schedule that it is a part of.
+    #[inline]
+    pub fn schedule(&self) -> &Schedule {
+        &self.schedule
+    }
+
     /// Planes of the frame.
     #[inline]
     pub fn planes(&self) -> u64 {
-        self.planes
+        self.schedule.shape.planes as u64
+    }
+
+    /// Ray slots of a plane.
+    #[inline]
+    fn slots(&self) -> u64 {
+        self.schedule.shape.slots as u64
     }
 
     /// The sections of the rays that come.
@@ -69,7 +71,7 @@ impl ShadingOrder {
     /// The slots of the frame, plane and ray, in the order in which they are shaded.
     pub fn shaded(&self) -> impl Iterator<Item = [u64; 2]> + use<> {
         let all = *self;
-        let planes = move |section| (0..all.planes).map(move |plane| (plane, all.given(section)));
+        let planes = move |section| (0..all.planes()).map(move |plane| (plane, all.given(section)));
         let counted = (0..all.given.count()).flat_map(planes);
         counted.flat_map(move |(plane, slots)| slots.map(move |slot| all.turned([plane, slot])))
     }
@@ -86,7 +88,8 @@ impl ShadingOrder {
                 i + 1
             }
         };
-        [turn(plane, self.planes, self.closes[1]), turn(slot, self.slots, self.closes[0])]
+        let [along_u, along_v] = self.schedule.shape.closes;
+        [turn(plane, self.planes(), along_v), turn(slot, self.slots(), along_u)]
     }
 
     /// The oldest plane that the slots of a counted plane and later ones need: the one above it. Where the first plane comes last, that is the
@@ -96,8 +99,8 @@ impl ShadingOrder {
         let [current, _] = self.turned([plane, 0]);
         if !self.buffered {
             current
-        } else if self.closes[1] && plane + 1 >= self.planes {
-            self.planes - 1
+        } else if self.schedule.shape.closes[1] && plane + 1 >= self.planes() {
+            self.planes() - 1
         } else {
             current.saturating_sub(self.reach)
         }
@@ -110,14 +113,15 @@ impl ShadingOrder {
             return [plane, slot];
         }
         let last = |i: u64, n: u64, closes: bool| if closes && i == 0 { n - 1 } else { (i + self.reach).min(n - 1) };
-        [last(plane, self.planes, self.closes[1]), last(slot, self.slots, self.closes[0])]
+        let [along_u, along_v] = self.schedule.shape.closes;
+        [last(plane, self.planes(), along_v), last(slot, self.slots(), along_u)]
     }
 
     /// How many rays must have come before a slot can be shaded.
     pub fn needed(&self, plane: u64, slot: u64) -> u64 {
         let last = self.last([plane, slot]);
         let of_section = self.taken(self.taken.section(last[1] as usize));
-        of_section.start * self.planes + self.rays_before(&of_section, last) + 1
+        of_section.start * self.planes() + self.rays_before(&of_section, last) + 1
     }
 
     /// Rays of a section that come before the one of a plane and slot; `slots` are those that come with the section.
@@ -129,7 +133,7 @@ impl ShadingOrder {
     /// Planes of the frame, those of each section, before a plane of the section that a slot comes with.
     #[inline]
     pub fn plane_of_ray(&self, plane: usize, slot: usize) -> usize {
-        self.taken.section(slot) * self.planes as usize + plane
+        self.taken.section(slot) * self.schedule.shape.planes + plane
     }
 
     /// The same of the section that the last of a slot's neighbours comes with.
@@ -151,7 +155,7 @@ impl ShadingOrder {
     pub fn needed_before(&self, section: usize) -> [Range<usize>; 2] {
         let Range { start, end } = self.taken.slots(section);
         let border = if start < end { start.saturating_sub(ShadingOrder::BORDER)..start } else { start..start };
-        let firsts = self.closes[0] && section + 1 == self.taken.count();
+        let firsts = self.schedule.shape.closes[0] && section + 1 == self.taken.count();
         let firsts = 0..if firsts { ShadingOrder::BORDER.min(border.start) } else { 0 };
         [border, firsts]
     }
