@@ -29,7 +29,7 @@ impl std::error::Error for Fault {}
 ///
 /// # Errors
 /// The first that is not.
-pub fn check<T>(table: &[Parameter<T>], of: &T) -> Result<(), Fault> {
+pub fn check<T>(table: &[Parameter<T>], of: &T) -> Result<(), Box<Fault>> {
     table.iter().try_for_each(|row| row.check(of))
 }
 
@@ -53,8 +53,8 @@ pub fn number_fault<T: DeserializeOwned + Default>(
 fn without<T: DeserializeOwned>(text: &str, key: &str) -> Option<T> {
     let mut rest: toml::Table = text.parse().ok()?;
     let (sections, name) = key.rsplit_once('.').unwrap_or(("", key));
-    let sections = sections.split('.').filter(|section| !section.is_empty());
-    sections.fold(Some(&mut rest), |table, section| table?.get_mut(section)?.as_table_mut())?.remove(name);
+    let mut sections = sections.split('.').filter(|section| !section.is_empty());
+    sections.try_fold(&mut rest, |table, section| table.get_mut(section)?.as_table_mut())?.remove(name);
     T::deserialize(rest).ok()
 }
 
@@ -63,8 +63,8 @@ impl<T> Parameter<T> {
     ///
     /// # Errors
     /// The value, or the first of a list, that is not.
-    pub fn check(&self, of: &T) -> Result<(), Fault> {
-        self.fault(of, &(self.get)(of)).map_or(Ok(()), Err)
+    pub fn check(&self, of: &T) -> Result<(), Box<Fault>> {
+        self.fault(of, &(self.get)(of)).map_or(Ok(()), |fault| Err(Box::new(fault)))
     }
 
     /// What is wrong with a value of this parameter, where the rest is as it is; none where it is legal.
