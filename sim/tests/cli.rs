@@ -183,6 +183,34 @@ fn the_printed_defaults_are_the_defaults() {
 }
 
 #[test]
+fn machines_and_scenes_are_listed_printed_and_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let printed = |arguments: &[&str]| {
+        let output = cube3(folder.path(), arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    for (command, key) in [("machine", "cfb.skew"), ("scene", "view.yaw_deg")] {
+        let list = printed(&[command, "--parameters"]);
+        assert!(list.contains(key.split_once('.').unwrap().1) && list.lines().all(|line| line.chars().count() <= 80));
+        let json: serde_json::Value = serde_json::from_str(&printed(&[command, "--parameters", "--json"])).unwrap();
+        let row = json.as_array().unwrap().iter().find(|row| row["key"] == key).unwrap();
+        for field in ["kind", "unit", "legal", "default", "optional", "about", "source"] {
+            assert!(!row[field].is_null(), "{field} of {row}");
+        }
+    }
+    assert_eq!(printed(&["machine"]), printed(&["run", "--print-machine"]));
+    assert_eq!(printed(&["scene"]), printed(&["run", "--print-scene"]));
+    assert!(printed(&["machine", "--presets"]).contains("em-cube"));
+    std::fs::write(folder.path().join("machine.toml"), printed(&["machine", "em-cube"])).unwrap();
+    assert_eq!(printed(&["machine", "machine.toml"]), printed(&["machine", "em-cube"]));
+    std::fs::write(folder.path().join("scene.toml"), "mode = \"maximum\"").unwrap();
+    let scene = printed(&["scene", "scene.toml"]);
+    std::fs::write(folder.path().join("again.toml"), &scene).unwrap();
+    assert!(scene.contains("\"maximum\"") && scene == printed(&["scene", "again.toml"]));
+}
+
+#[test]
 fn mistakes_get_one_message_and_exit_code_2_and_lose_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();

@@ -20,7 +20,7 @@ pub enum MachineError {
         /// File, and line where the key stands in it.
         place: String,
         /// Key, value, range and the nearest legal value.
-        fault: Fault,
+        fault: Box<Fault>,
     },
     /// Values that do not go together.
     #[error("{place}: {conflict}")]

@@ -22,7 +22,7 @@ impl MachineSpec {
         let machine: MachineSpec = toml::from_str(text).map_err(|error| {
             let error = syntax(error, document);
             match number_fault(PARAMETERS, text, document, error.key()) {
-                Some(fault) => MachineError::Value { place: place_of(&fault.key), fault },
+                Some(fault) => MachineError::Value { place: place_of(&fault.key), fault: Box::new(fault) },
                 None => error,
             }
         })?;

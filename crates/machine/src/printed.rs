@@ -23,18 +23,20 @@ impl MachineSpec {
             if !section.is_empty() {
                 let _ = writeln!(text, "[{section}]");
             }
-            for row in PARAMETERS.iter().filter(|row| row.section() == section) {
-                text += &self.commented_key(row);
+            for row in PARAMETERS {
+                if let Some(name) = name_in(section, row.key) {
+                    text += &self.commented_key(name, row);
+                }
             }
         }
         text
     }
 
     /// A key with its value and its comment, in as many lines as the comment needs.
-    fn commented_key(&self, row: &Parameter<MachineSpec>) -> String {
+    fn commented_key(&self, name: &str, row: &Parameter<MachineSpec>) -> String {
         let key = match (row.get)(self) {
-            Value::Absent => format!("#{} = {}", row.name(), row.example),
-            value => format!("{} = {value}", row.name()),
+            Value::Absent => format!("#{name} = {}", row.example),
+            value => format!("{name} = {value}"),
         };
         let mut lines = String::new();
         let mut key = format!("{:COMMENT$}", format!("{key} "));
@@ -48,21 +50,22 @@ impl MachineSpec {
 
     /// What a key is, and its range.
     fn comment(&self, row: &Parameter<MachineSpec>) -> String {
-        let (about, unit, because) = (row.about, row.unit, row.because);
-        let legal = (row.legal)(self);
-        let mut range = legal.to_string();
+        let (about, because, legal) = (row.about, row.because, (row.legal)(self));
+        let range = legal.of(row.unit);
         match legal {
-            Legal::Anything => return about.to_owned(),
-            Legal::OneOf(names) if names.len() > 1 => return format!("{about}; {range}"),
-            _ => {}
+            Legal::Anything => about.to_owned(),
+            Legal::OneOf(names) if names.len() > 1 => format!("{about}; {range}"),
+            _ if because.is_empty() => format!("{about}; {range}"),
+            _ => format!("{about}; {range} ({because})"),
         }
-        if !unit.is_empty() {
-            let _ = write!(range, " {unit}");
-        }
-        if !because.is_empty() {
-            let _ = write!(range, " ({because})");
-        }
-        format!("{about}; {range}")
+    }
+}
+
+/// The key of a row in a table of the file; none where it is not in it.
+fn name_in(section: &str, key: &'static str) -> Option<&'static str> {
+    match section {
+        "" => (!key.contains('.')).then_some(key),
+        _ => key.strip_prefix(section)?.strip_prefix('.'),
     }
 }
 
@@ -112,9 +115,14 @@ mod tests {
     }
 
     #[test]
-    fn every_row_is_in_a_section_and_has_an_example_where_it_may_be_absent() {
+    fn every_row_is_in_one_section_and_has_an_example_where_it_may_be_absent() {
         for row in PARAMETERS {
-            assert!(SECTIONS.iter().any(|(section, _)| *section == row.section()), "{}", row.key);
+            assert_eq!(
+                SECTIONS.iter().filter(|(section, _)| name_in(section, row.key).is_some()).count(),
+                1,
+                "{}",
+                row.key
+            );
             assert_eq!(row.example.is_empty(), !row.optional, "{}", row.key);
         }
     }

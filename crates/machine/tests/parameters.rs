@@ -216,7 +216,12 @@ fn an_unknown_key_or_name_names_the_nearest_known() {
             "m.toml:2: channel.beams: the key `latency` is missing; give `latency`",
         ),
         ("lanes = \"many\"", "m.toml:1: lanes: invalid type: string \"many\"; give a whole number from 0 up"),
-        ("lanes = 2.5", "m.toml:1: lanes = 2.5 is outside 1 to 4096; the nearest legal value is 3"),
+        ("lanes = 2.5", "m.toml:1: lanes = 2.5 is not a whole number, 1 to 4096; the nearest legal value is 3"),
+        (
+            "lanes = 99999999999999999999",
+            "m.toml:1: lanes = 99999999999999999999 is outside 1 to 4096; the nearest legal value is 4096",
+        ),
+        ("schema = 2", "m.toml:1: schema = 2 is not 1; the nearest legal value is 1"),
         ("lanes =", "m.toml:1: "),
     ] {
         assert!(error(text).starts_with(expected), "{}", error(text));

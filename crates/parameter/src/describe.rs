@@ -1,6 +1,5 @@
 //! A row in words and numbers, for lists of parameters.
 
-use crate::row::{name, section};
 use crate::{Kind, Legal, Parameter, Value};
 use serde::{Serialize, Serializer};
 
@@ -30,14 +29,14 @@ pub struct Description {
 }
 
 impl Description {
-    /// The table of the file that it is in, `cfb` of `cfb.skew`; empty at the top.
+    /// The innermost table of the file that it is in, `cfb` of `cfb.skew`; empty at the top.
     pub fn section(&self) -> &'static str {
-        section(self.key)
+        self.key.rsplit_once('.').map_or("", |(section, _)| section)
     }
 
     /// The key without its table.
     pub fn name(&self) -> &'static str {
-        name(self.key)
+        self.key.rsplit_once('.').map_or(self.key, |(_, name)| name)
     }
 }
 

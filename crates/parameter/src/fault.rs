@@ -29,7 +29,7 @@ impl std::error::Error for Fault {}
 ///
 /// # Errors
 /// The first that is not.
-pub fn check<T>(table: &[Parameter<T>], of: &T) -> Result<(), Fault> {
+pub fn check<T>(table: &[Parameter<T>], of: &T) -> Result<(), Box<Fault>> {
     table.iter().try_for_each(|row| row.check(of))
 }
 
@@ -44,13 +44,18 @@ pub fn number_fault<T: DeserializeOwned + Default>(
     let row = table.iter().find(|row| key.split('[').next() == Some(row.key))?;
     let value = Value::of_toml(value_of(document, row.key)?)?;
     value.number()?;
-    let mut rest: toml::Table = text.parse().ok()?;
-    let (sections, name) = row.key.rsplit_once('.').unwrap_or(("", row.key));
-    let sections = sections.split('.').filter(|section| !section.is_empty());
-    sections.fold(Some(&mut rest), |table, section| table?.get_mut(section)?.as_table_mut())?.remove(name);
-    let of = T::deserialize(rest).unwrap_or_default();
+    let of = without(text, row.key).unwrap_or_default();
     check(table, &of).ok()?;
     row.fault(&of, &value)
+}
+
+/// What a text makes without one of its keys.
+fn without<T: DeserializeOwned>(text: &str, key: &str) -> Option<T> {
+    let mut rest: toml::Table = text.parse().ok()?;
+    let (sections, name) = key.rsplit_once('.').unwrap_or(("", key));
+    let mut sections = sections.split('.').filter(|section| !section.is_empty());
+    sections.try_fold(&mut rest, |table, section| table.get_mut(section)?.as_table_mut())?.remove(name);
+    T::deserialize(rest).ok()
 }
 
 impl<T> Parameter<T> {
@@ -58,8 +63,8 @@ impl<T> Parameter<T> {
     ///
     /// # Errors
     /// The value, or the first of a list, that is not.
-    pub fn check(&self, of: &T) -> Result<(), Fault> {
-        self.fault(of, &(self.get)(of)).map_or(Ok(()), Err)
+    pub fn check(&self, of: &T) -> Result<(), Box<Fault>> {
+        self.fault(of, &(self.get)(of)).map_or(Ok(()), |fault| Err(Box::new(fault)))
     }
 
     /// What is wrong with a value of this parameter, where the rest is as it is; none where it is legal.
@@ -87,17 +92,20 @@ impl Fault {
     /// What is wrong: `0 is outside 1 to 4096`.
     pub fn reason(&self) -> String {
         let Fault { value, legal, because, .. } = self;
-        let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         let because = if because.is_empty() { String::new() } else { format!(" ({because})") };
-        match legal {
-            Legal::OneOf(values) if values.is_empty() => format!("{value} cannot be chosen here{because}"),
-            Legal::OneOf(values) if values.len() == 1 => format!("{value} is not {}{unit}{because}", values[0]),
-            Legal::OneOf(_) | Legal::Real { open: [true, _], .. } => format!("{value} is not {legal}{unit}{because}"),
-            Legal::Real { low, high, .. } if *low == f64::MIN || *high == f64::MAX => {
-                format!("{value} is not {legal}{because}")
+        let range = legal.of(self.unit);
+        let reason = match legal {
+            Legal::OneOf(values) if values.is_empty() => format!("{value} cannot be chosen here"),
+            Legal::OneOf(values) if values.len() == 1 => format!("{value} is not {}", values[0]),
+            Legal::Whole { low, high } if low == high => format!("{value} is not {low}"),
+            Legal::Whole { .. } if !matches!(value, Value::Whole(_)) => {
+                format!("{value} is not a whole number, {range}")
             }
-            _ => format!("{value} is outside {legal}{unit}{because}"),
-        }
+            Legal::OneOf(_) | Legal::Real { open: [true, _], .. } => format!("{value} is not {range}"),
+            Legal::Real { low, high, .. } if *low == f64::MIN || *high == f64::MAX => format!("{value} is not {range}"),
+            _ => format!("{value} is outside {range}"),
+        };
+        reason + &because
     }
 
     /// What would be right: `the nearest legal value is 1`.
@@ -170,5 +178,26 @@ mod tests {
             message(shop(0, 1.0, 1.5)),
             "row[1].light[1] = 1.5 is outside 0 to 1; the nearest legal value is 1.0"
         );
+    }
+
+    #[test]
+    fn a_fault_says_what_kind_of_range_it_is() {
+        let reason = |legal: Legal, value: Value| {
+            let nearest = legal.nearest(&value);
+            Fault { key: "key".into(), value, legal, nearest, unit: "metres", because: "" }.reason()
+        };
+        let one_of = |values: &[i128]| Legal::OneOf(values.iter().copied().map(Value::Whole).collect());
+        for (legal, value, expected) in [
+            (Legal::whole(1, 9), Value::Whole(0), "0 is outside 1 to 9 metres"),
+            (Legal::whole(1, 9), Value::Real(2.5), "2.5 is not a whole number, 1 to 9 metres"),
+            (Legal::whole(1, 1), Value::Whole(2), "2 is not 1"),
+            (one_of(&[1, 2]), Value::Whole(3), "3 is not one of 1, 2 metres"),
+            (one_of(&[1]), Value::Whole(3), "3 is not 1"),
+            (one_of(&[]), Value::Whole(3), "3 cannot be chosen here"),
+            (Legal::finite(), Value::Real(f64::INFINITY), "inf is not a finite number of metres"),
+            (Legal::above(0.0, f64::MAX), Value::Real(0.0), "0.0 is not a finite number of metres above 0"),
+        ] {
+            assert_eq!(reason(legal, value), expected);
+        }
     }
 }

@@ -61,6 +61,21 @@ impl Legal {
         Legal::OneOf(names.into_iter().map(|name| Value::Text(name.to_owned())).collect())
     }
 
+    /// The range in words with its unit, which a single value does not have.
+    pub fn of(&self, unit: &str) -> String {
+        let range = self.to_string();
+        match self {
+            _ if unit.is_empty() => range,
+            Legal::Whole { low, high } if low == high => range,
+            Legal::OneOf(values) if values.len() < 2 => range,
+            Legal::Anything => range,
+            Legal::Real { .. } if range.starts_with(FINITE) => {
+                range.replacen(FINITE, &format!("{FINITE} of {unit}"), 1)
+            }
+            _ => format!("{range} {unit}"),
+        }
+    }
+
     /// Whether a value is legal.
     pub fn contains(&self, value: &Value) -> bool {
         self.first_outside(value).is_none()
@@ -127,6 +142,9 @@ fn nearest_of(values: &[Value], value: &Value) -> Value {
     nearest.or_else(|| values.first().cloned()).unwrap_or(Value::Absent)
 }
 
+/// What a range without one of its ends is called.
+const FINITE: &str = "a finite number";
+
 /// A number as short as can be.
 fn short(number: f64) -> String {
     if is_long(number) { format!("{number:e}") } else { number.to_string() }
@@ -140,12 +158,12 @@ impl fmt::Display for Legal {
             Legal::Whole { low, high } if *high == i64::MAX.into() => write!(f, "{low} and up"),
             Legal::Whole { low, high } => write!(f, "{low} to {high}"),
             &Legal::Real { low, high, open } => match (low == f64::MIN, high == f64::MAX) {
-                (true, true) => f.write_str("a finite number"),
+                (true, true) => f.write_str(FINITE),
                 (true, false) => {
-                    write!(f, "a finite number {} {}", if open[1] { "below" } else { "up to" }, short(high))
+                    write!(f, "{FINITE} {} {}", if open[1] { "below" } else { "up to" }, short(high))
                 }
-                (false, true) if open[0] => write!(f, "a finite number above {}", short(low)),
-                (false, true) => write!(f, "a finite number from {} up", short(low)),
+                (false, true) if open[0] => write!(f, "{FINITE} above {}", short(low)),
+                (false, true) => write!(f, "{FINITE} from {} up", short(low)),
                 (false, false) => {
                     let low = short(low);
                     let low = if open[0] { format!("above {low} and") } else { low };

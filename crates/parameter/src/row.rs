@@ -31,28 +31,6 @@ pub struct Parameter<T> {
     pub set: fn(&mut T, &Value) -> Result<(), Unfit>,
 }
 
-/// The table of the file that a key is in, `cfb` of `cfb.skew`; empty at the top.
-pub(crate) fn section(key: &'static str) -> &'static str {
-    key.split_once('.').map_or("", |(section, _)| section)
-}
-
-/// A key without its table.
-pub(crate) fn name(key: &'static str) -> &'static str {
-    key.split_once('.').map_or(key, |(_, name)| name)
-}
-
-impl<T> Parameter<T> {
-    /// The table of the file that it is in, `cfb` of `cfb.skew`; empty at the top.
-    pub fn section(&self) -> &'static str {
-        section(self.key)
-    }
-
-    /// The key without its table.
-    pub fn name(&self) -> &'static str {
-        name(self.key)
-    }
-}
-
 /// A row of a parameter that is a field: `parameter!(Machine, rays.grid, "unit", "what it is", "source")`. The key is the field's path. A
 /// choice has the range of its names, other fields have none.
 #[macro_export]

@@ -31,7 +31,7 @@ impl Value {
         }
     }
 
-    /// A number or a flag of a TOML text, or a list of them; none where it is something else.
+    /// The value of a TOML text; none of tables, dates and lists with these.
     pub fn of_toml(value: &DeValue) -> Option<Value> {
         match value {
             DeValue::Integer(integer) => i128::from_str_radix(integer.as_str(), integer.radix()).ok().map(Value::Whole),

@@ -76,7 +76,8 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// Checks every value of the scene: its range first, by [`SCENE_PARAMETERS`], then what must hold between values, so that no renderer has to.
+    /// Checks every value of the scene, so that no renderer has to: its range first, by [`SCENE_PARAMETERS`], then what must hold
+    /// between values.
     ///
     /// # Errors
     ///

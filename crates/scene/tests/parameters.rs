@@ -183,7 +183,7 @@ fn a_number_that_its_type_cannot_hold_is_out_of_range_in_its_line() {
             "[material]\nshininess = 0",
             "s.toml:2: material.shininess: 0.0 is not above 0 and at most 1000; the nearest legal value is just above 0",
         ),
-        ("[view]\nyaw_deg = nan", "s.toml:2: view.yaw_deg: nan is not a finite number; give a number"),
+        ("[view]\nyaw_deg = nan", "s.toml:2: view.yaw_deg: nan is not a finite number of degrees; give a number"),
     ] {
         assert_eq!(Scene::from_toml(text, "s.toml").unwrap_err().to_string(), expected);
     }
