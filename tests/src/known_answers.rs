@@ -112,7 +112,7 @@ pub struct KnownAnswer {
 }
 
 /// Every picture with a closed form.
-pub const ANSWERS: [KnownAnswer; 10] = [
+pub const ANSWERS: [KnownAnswer; 11] = [
     KnownAnswer { name: "fog", value: |_| TOP, scene: || fog(FOG), views: angles, answer: fog_answer },
     KnownAnswer { name: "fog from an eye", value: |_| TOP, scene: || fog(FOG), views: eyes, answer: fog_answer },
     KnownAnswer {
@@ -137,6 +137,13 @@ pub const ANSWERS: [KnownAnswer; 10] = [
         answer: slab_along_answer,
     },
     KnownAnswer { name: "ramp", value: ramp, scene: || fog(FOG), views: angles, answer: ramp_answer },
+    KnownAnswer {
+        name: "mean of a field",
+        value: linear,
+        scene: || thin(Mode::WeightedSum),
+        views: angles,
+        answer: mean_of_field,
+    },
     KnownAnswer {
         name: "sphere",
         value: sphere,
@@ -321,6 +328,14 @@ fn linear(place: DVec3) -> f64 {
 fn extreme(chord: &Chord, most: fn(f64, f64) -> f64) -> Option<Answer> {
     let value = most(linear(chord.enter), linear(chord.leave)) / TOP;
     Some(Answer { value, steps: WORD + 1e-9, words: 2.0 / 512.0 / EXTENT + 2.0 * WORD })
+}
+
+/// The mean of a linear field is that of its ends, whatever the steps, as each stands for a stretch about its sample; a word of a voxel is half a bit
+/// off, and a weight 2^−9 along each of two axes.
+fn mean_of_field(chord: &Chord) -> Option<Answer> {
+    let value = f64::midpoint(linear(chord.enter), linear(chord.leave)) / TOP;
+    let answer = mean(value, WORD)?;
+    Some(Answer { words: answer.words + 2.0 / 512.0 / EXTENT, ..answer })
 }
 
 impl KnownAnswer {
