@@ -67,7 +67,8 @@ fn around(row: &Parameter<MachineSpec>, machine: &MachineSpec) -> Vec<Value> {
             let others = [Value::Whole(0), Value::Whole(99), Value::Text("nothing".into())];
             values.into_iter().chain(others).collect()
         }
-        Legal::Anything => vec![(row.get)(machine)],
+        Legal::Anything if row.kind == Kind::Flag => [true, false].map(Value::Flag).to_vec(),
+        Legal::Anything => ["one", "another"].map(|name| Value::Text(name.into())).to_vec(),
     };
     match row.kind {
         Kind::List(_) => values.into_iter().map(|value| Value::List(vec![value; 3])).collect(),
@@ -85,6 +86,7 @@ fn the_nearest_legal_value_can_be_set_and_is_legal() {
                 let nearest = legal.nearest(&value);
                 assert_eq!(nearest == value, legal.contains(&value), "{} = {value}", row.key);
                 (row.set)(&mut machine, &nearest).unwrap();
+                assert_eq!((row.get)(&machine), nearest, "{}", row.key);
                 row.check(&machine).unwrap();
                 (row.set)(&mut machine, &was).unwrap();
             }

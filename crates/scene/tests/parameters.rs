@@ -86,6 +86,13 @@ fn values_are_legal_and_set_as_they_are_got() {
             let mut same = scene.clone();
             (row.set)(&mut same, &(row.get)(&scene)).unwrap();
             assert_eq!(same, scene, "{}", row.key);
+            let other = match (row.get)(&scene) {
+                Value::Flag(flag) => Value::Flag(!flag),
+                Value::Text(_) if row.kind == Kind::Text => Value::Text("another".into()),
+                value => value,
+            };
+            (row.set)(&mut same, &other).unwrap();
+            assert_eq!((row.get)(&same), other, "{}", row.key);
         }
     }
 }
@@ -131,6 +138,7 @@ fn a_value_out_of_range_is_refused_with_key_range_and_the_nearest_which_can_be_s
                 assert!(fault.key.starts_with(start) && !fault.key.contains("[]"), "{fault}");
                 let mut other = scene.clone();
                 (row.set)(&mut other, &nearest).unwrap();
+                assert_eq!((row.get)(&other), nearest, "{}", row.key);
                 row.check(&other).unwrap();
                 if (row.set)(&mut other, &value).is_ok() && !matches!(row.kind, Kind::Choice) {
                     let error = other.validate().unwrap_err();
