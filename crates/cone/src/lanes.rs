@@ -6,7 +6,7 @@ use cube3_abc::lanes::ShadedRow;
 use cube3_frame::ConeRegisters;
 use cube3_machine::ConeOrder;
 use cube3_scene::Mode;
-use cube3_word::{BLOCK, Block, Rounding, Words, unit_full, vectorised};
+use cube3_word::{BLOCK, Block, UnitMul, UnitResize, Words, unit_full, vectorised};
 use std::ops::Range;
 
 /// A tree over the leaves of one ray among those of a circle, in the order of the circle from its start: `leaves[0]` is the leaf
@@ -81,31 +81,13 @@ pub trait Accumulator: Copy + Default + PartialEq + Send + Sync {
     /// Sum.
     fn plus(self, other: Self) -> Self;
     /// Product of unit words.
-    fn unit_mul(self, other: Self, factors: UnitFactors) -> Self;
+    fn unit_mul(self, other: Self, product: UnitMul) -> Self;
     /// `full − self`.
     fn complement(self, full: u32) -> Self;
 }
 
-/// Constants of the unit product: see [`cube3_word::unit_mul`].
-#[derive(Clone, Copy, Debug)]
-pub struct UnitFactors {
-    bits: u32,
-    before: u32,
-    after: u32,
-}
-
-impl UnitFactors {
-    fn new(words: &Words) -> UnitFactors {
-        let bits = words.accumulator_bits;
-        match words.rounding {
-            Rounding::Nearest => UnitFactors { bits, before: 1 << (bits - 1), after: 0 },
-            Rounding::Truncate => UnitFactors { bits, before: 0, after: 1 },
-        }
-    }
-}
-
 macro_rules! accumulator {
-    ($word:ty) => {
+    ($word:ty, $product:ident) => {
         impl Accumulator for $word {
             #[inline(always)]
             fn of(word: u32) -> Self {
@@ -120,9 +102,8 @@ macro_rules! accumulator {
                 self + other
             }
             #[inline(always)]
-            fn unit_mul(self, other: Self, factors: UnitFactors) -> Self {
-                let start = self * other + factors.before as $word;
-                (start + (start >> factors.bits) + factors.after as $word) >> factors.bits
+            fn unit_mul(self, other: Self, product: UnitMul) -> Self {
+                product.$product(self, other)
             }
             #[inline(always)]
             fn complement(self, full: u32) -> Self {
@@ -132,8 +113,8 @@ macro_rules! accumulator {
     };
 }
 
-accumulator!(u32);
-accumulator!(u64);
+accumulator!(u32, narrow);
+accumulator!(u64, wide);
 
 /// The leaves and trees of one slot, for modes whose nodes add up, and accumulators of 16 bits at most: a sum that a transparent sample
 /// does not change. Blocks of leaves are reduced at once.
@@ -141,8 +122,8 @@ accumulator!(u64);
 pub(crate) struct SlotLanes {
     cone: ConeRegisters,
     words: Words,
-    opacity: Resize,
-    colour: Resize,
+    opacity: UnitResize,
+    colour: UnitResize,
     sums: Sums,
     /// Red, green, blue, opacity of the leaves in order of depth, block by block; any where a block has none that is not transparent.
     leaves: Vec<Leaves>,
@@ -160,7 +141,7 @@ struct Leaves([Block<u32>; 4]);
 /// What the nodes of a slot compute with.
 #[derive(Clone, Copy, Debug)]
 struct Sums {
-    factors: UnitFactors,
+    product: UnitMul,
     full: u32,
     /// Whether a node hides what is behind.
     over: bool,
@@ -175,9 +156,9 @@ impl SlotLanes {
         (adds && cone.order == ConeOrder::Tree && bits <= 16).then(|| SlotLanes {
             cone: *cone,
             words: *words,
-            opacity: Resize::new(words.opacity_bits, bits),
-            colour: Resize::new(words.colour_bits, bits),
-            sums: Sums { factors: UnitFactors::new(words), full: unit_full(bits), over },
+            opacity: UnitResize::new(words.opacity_bits, bits),
+            colour: UnitResize::new(words.colour_bits, bits),
+            sums: Sums { product: UnitMul::new(bits, words.rounding), full: unit_full(bits), over },
             leaves: Vec::new(),
             seen: Vec::new(),
             nodes: Vec::new(),
@@ -186,7 +167,7 @@ impl SlotLanes {
 
     /// Takes the samples of a slot.
     pub fn leaves(&mut self, input: &ShadedSamples) {
-        let SlotLanes { opacity, colour, sums: Sums { factors, .. }, .. } = *self;
+        let SlotLanes { opacity, colour, sums: Sums { product, .. }, .. } = *self;
         self.leaves.resize(input.0.len(), Leaves::default());
         self.seen.resize(input.0.len(), 0);
         for ((leaves, seen), shaded) in self.leaves.iter_mut().zip(&mut self.seen).zip(&input.0) {
@@ -195,7 +176,7 @@ impl SlotLanes {
             } else {
                 vectorised(
                     #[inline(always)]
-                    || weighted(&shaded.opacity, &shaded.colour, opacity, colour, factors, &mut leaves.0),
+                    || weighted(&shaded.opacity, &shaded.colour, opacity, colour, product, &mut leaves.0),
                 )
             };
         }
@@ -301,16 +282,16 @@ impl SlotLanes {
 fn weighted(
     alpha: &Block<u32>,
     colours: &[Block<u32>; 3],
-    opacity: Resize,
-    colour: Resize,
-    factors: UnitFactors,
+    opacity: UnitResize,
+    colour: UnitResize,
+    product: UnitMul,
     [red, green, blue, through]: &mut [Block<u32>; 4],
 ) -> u16 {
     for i in 0..BLOCK {
         let a = opacity.apply_narrow(alpha[i]);
-        red[i] = colour.apply_narrow(colours[0][i]).unit_mul(a, factors);
-        green[i] = colour.apply_narrow(colours[1][i]).unit_mul(a, factors);
-        blue[i] = colour.apply_narrow(colours[2][i]).unit_mul(a, factors);
+        red[i] = colour.apply_narrow(colours[0][i]).unit_mul(a, product);
+        green[i] = colour.apply_narrow(colours[1][i]).unit_mul(a, product);
+        blue[i] = colour.apply_narrow(colours[2][i]).unit_mul(a, product);
         through[i] = a;
     }
     let mut seen = [0; BLOCK];
@@ -331,10 +312,10 @@ fn level<const OVER: bool, const N: usize, const HALF: usize>(
         let (left, right) = (2 * i, 2 * i + 1);
         if OVER {
             let through = sums.full - nodes[3][left];
-            red[i] = nodes[0][left] + through.unit_mul(nodes[0][right], sums.factors);
-            green[i] = nodes[1][left] + through.unit_mul(nodes[1][right], sums.factors);
-            blue[i] = nodes[2][left] + through.unit_mul(nodes[2][right], sums.factors);
-            alpha[i] = nodes[3][left] + through.unit_mul(nodes[3][right], sums.factors);
+            red[i] = nodes[0][left] + through.unit_mul(nodes[0][right], sums.product);
+            green[i] = nodes[1][left] + through.unit_mul(nodes[1][right], sums.product);
+            blue[i] = nodes[2][left] + through.unit_mul(nodes[2][right], sums.product);
+            alpha[i] = nodes[3][left] + through.unit_mul(nodes[3][right], sums.product);
         } else {
             red[i] = nodes[0][left] + nodes[0][right];
             green[i] = nodes[1][left] + nodes[1][right];
@@ -381,7 +362,7 @@ impl<T: Accumulator> RowNode<T> {
 pub struct ConeLanes<T> {
     cone: ConeRegisters,
     words: Words,
-    factors: UnitFactors,
+    product: UnitMul,
     stack: Vec<(u32, RowNode<T>)>,
     sum: RowNode<T>,
     in_chunk: usize,
@@ -396,7 +377,7 @@ impl<T: Accumulator> ConeLanes<T> {
         ConeLanes {
             cone,
             words,
-            factors: UnitFactors::new(&words),
+            product: UnitMul::new(words.accumulator_bits, words.rounding),
             stack: Vec::new(),
             sum: RowNode { start: 0, rgba: Default::default(), sample: Vec::new() },
             in_chunk: 0,
@@ -460,7 +441,7 @@ impl<T: Accumulator> ConeLanes<T> {
         let alpha = &mut alpha[..n];
         let opaque = matches!(self.cone.mode, Mode::FirstOpaque | Mode::LastOpaque);
         let full = unit_full(bits);
-        let widen = Resize::new(words.opacity_bits, bits);
+        let widen = UnitResize::new(words.opacity_bits, bits);
         for i in 0..n {
             let word = widen.apply(opacity[i]);
             let word = if !opaque {
@@ -472,12 +453,12 @@ impl<T: Accumulator> ConeLanes<T> {
             };
             alpha[i] = T::of(word);
         }
-        let widen = Resize::new(words.colour_bits, bits);
+        let widen = UnitResize::new(words.colour_bits, bits);
         let [red, green, blue, alpha] = &mut node.rgba;
         for (out, colour) in [red, green, blue].into_iter().zip(&shaded.colour) {
             let (out, colour, alpha) = (&mut out[..n], &colour[from..to], &alpha[..n]);
             for i in 0..n {
-                out[i] = T::of(widen.apply(colour[i])).unit_mul(alpha[i], self.factors);
+                out[i] = T::of(widen.apply(colour[i])).unit_mul(alpha[i], self.product);
             }
         }
         if let Some(never) = extreme {
@@ -514,13 +495,13 @@ impl<T: Accumulator> ConeLanes<T> {
         match self.cone.mode {
             Mode::Composite => {
                 let full = unit_full(self.words.accumulator_bits);
-                let factors = self.factors;
+                let product = self.product;
                 for i in 0..n {
                     let through = a[i].complement(full);
-                    r[i] = r[i].plus(through.unit_mul(r2[i], factors));
-                    g[i] = g[i].plus(through.unit_mul(g2[i], factors));
-                    b[i] = b[i].plus(through.unit_mul(b2[i], factors));
-                    a[i] = a[i].plus(through.unit_mul(a2[i], factors));
+                    r[i] = r[i].plus(through.unit_mul(r2[i], product));
+                    g[i] = g[i].plus(through.unit_mul(g2[i], product));
+                    b[i] = b[i].plus(through.unit_mul(b2[i], product));
+                    a[i] = a[i].plus(through.unit_mul(a2[i], product));
                 }
             }
             Mode::WeightedSum => {
@@ -616,45 +597,12 @@ impl<T: Accumulator> ConeLanes<T> {
     }
 }
 
-/// [`cube3_word::unit_resize`] with its decisions made before: repeated bits are a product.
-#[derive(Clone, Copy, Debug)]
-struct Resize {
-    repeat: u64,
-    drop: u32,
-    /// Whether the product has 32 bits at most.
-    narrow: bool,
-}
-
-impl Resize {
-    fn new(from: u32, to: u32) -> Resize {
-        if to <= from {
-            return Resize { repeat: 1, drop: from - to, narrow: true };
-        }
-        let (mut repeat, mut width) = (1, from);
-        while width < to {
-            repeat |= repeat << width;
-            width *= 2;
-        }
-        Resize { repeat, drop: width - to, narrow: width <= 32 }
-    }
-
-    /// To at most 16 bits: the product has 32 at most.
-    #[inline(always)]
-    fn apply_narrow(self, raw: u32) -> u32 {
-        (raw * self.repeat as u32) >> self.drop
-    }
-
-    #[inline(always)]
-    fn apply(self, raw: u32) -> u32 {
-        if self.narrow { self.apply_narrow(raw) } else { ((u64::from(raw) * self.repeat) >> self.drop) as u32 }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::golden::{leaf, pixel, reduce};
     use cube3_abc::golden::Shaded;
+    use cube3_word::Rounding;
     use proptest::prelude::*;
 
     /// Samples of a slot: stretches that are absent, transparent, or anything.
