@@ -4,7 +4,7 @@ use crate::golden::{self, Basis, StepLengths, gradient_scale, is_unity, neutral_
 use crate::{OpacityEntries, canonical, classification, ends, shading};
 use cube3_frame::{
     ConeRegisters, EndRegisters, FrameSetup, Geometry, GradientRegisters, HalfSpace, LARGEST_SIDE, Normaliser,
-    Perspective, RayRegisters, largest_offset, slope_register,
+    RayRegisters, largest_offset, slope_register,
 };
 use cube3_machine::{Abc, BusKind, Differences, GradientMethod, MachineSpec, ShadingUnit, TemplateRule};
 use cube3_plan::{Item, Needs, Part, Plan, Rule, Rules};
@@ -241,10 +241,7 @@ pub(crate) fn registers(
     let rows = classification::gradient_rows(scene, machine, volume, &basis);
     let gradient = plan.gradient.is_there().then(|| gradient_registers(machine, &geometry, &basis, plan.rules));
     let steps = StepLengths::new(corrects_opacity(scene), &geometry, volume.spacing);
-    let rays = geometry
-        .perspective
-        .as_ref()
-        .map(|pass| ray_registers(scene, volume, plan.needs, &geometry, pass, &basis, machine.abc.gradient, &steps));
+    let rays = ray_registers(scene, volume, plan.needs, &geometry, &basis, machine.abc.gradient, &steps);
     let ends = ends::registers(scene, machine, &geometry, &steps.lengths);
     let whole = ends.as_ref().map(|_| whole_step_opacity(scene.mode, &words, geometry.bounding_planes()));
     let entries = OpacityEntries::new(scene, machine, volume, steps.lengths, rows, &basis);
@@ -276,16 +273,17 @@ pub(crate) fn registers(
     }
 }
 
+/// What differs from ray to ray, of an eye.
 fn ray_registers(
     scene: &Scene,
     volume: &VolumeInfo,
     needs: Needs,
     geometry: &Geometry,
-    pass: &Perspective,
     basis: &Basis,
     method: GradientMethod,
     steps: &StepLengths,
-) -> RayRegisters {
+) -> Option<RayRegisters> {
+    let pass = geometry.perspective.as_ref()?;
     let s = geometry.axes.permute(volume.spacing);
     let along =
         |slopes: &[i64], s: f64| -> Vec<f64> { slopes.iter().map(|&slope| s * golden::real_slope(slope)).collect() };
@@ -298,7 +296,7 @@ fn ray_registers(
     let spacing = |k: usize| pass.neighbour_spacing(k as i64, geometry.offset, geometry.weight_bits);
     let depths = 0..geometry.size[2];
     let (scale, _) = basis.scale(method);
-    RayRegisters {
+    Some(RayRegisters {
         view_w: view(s[2]),
         view_u: view_u.into_iter().map(view).collect(),
         view_v: view_v.into_iter().map(view).collect(),
@@ -322,7 +320,7 @@ fn ray_registers(
             .collect(),
         reach: pass.doubled.then(|| depths.clone().map(reach).collect()),
         nearness: pass.doubled.then(|| depths.map(|k| RayRegisters::closeness_registers(spacing(k))[1]).collect()),
-    }
+    })
 }
 
 /// The half-spaces of cuts and crop box.
