@@ -1,4 +1,5 @@
-//! Definitions that are broken on purpose: the list of breaks, and a copy of the workspace in which each is made and must be caught.
+//! Code that is broken on purpose: lists of breaks, of definitions and of what is measured, and a copy of the workspace in which each is made
+//! and must be caught.
 
 use serde::Deserialize;
 use std::collections::BTreeSet;
@@ -14,7 +15,7 @@ const LIMIT: Duration = Duration::from_secs(120);
 /// What a copy is made of, from the workspace's root.
 const PARTS: [&str; 5] = ["Cargo.toml", "Cargo.lock", "crates", "sim", "tests"];
 
-/// A definition broken on purpose: one place of its text is replaced.
+/// Code broken on purpose: one place of a file is replaced.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Break {
@@ -26,9 +27,20 @@ pub struct Break {
     pub find: String,
     /// What stands there instead.
     pub replace: String,
+    /// The test of the package of tests that must catch it; the tests of the file's crate where none is given.
+    pub test: Option<String>,
 }
 
-/// `tests/golden_breaks.toml`.
+/// Tests that are run together.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Suite {
+    /// All of a crate, by its folder.
+    Crate(String),
+    /// One of the package of tests.
+    Test(String),
+}
+
+/// A list of breaks.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Breaks {
@@ -42,12 +54,24 @@ pub fn root() -> &'static Path {
     tests.parent().unwrap_or(tests)
 }
 
-/// All breaks of `tests/golden_breaks.toml`.
+/// All breaks of `tests/golden_breaks.toml`: those of definitions.
 ///
 /// # Panics
 /// Where the file cannot be read.
 pub fn breaks() -> Vec<Break> {
-    let path = root().join("tests/golden_breaks.toml");
+    list("golden_breaks.toml")
+}
+
+/// All breaks of `tests/measurement_breaks.toml`: those of what is counted, limited, measured and left out.
+///
+/// # Panics
+/// Where the file cannot be read.
+pub fn measurement_breaks() -> Vec<Break> {
+    list("measurement_breaks.toml")
+}
+
+fn list(name: &str) -> Vec<Break> {
+    let path = root().join("tests").join(name);
     let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let Breaks { breaks } = toml::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     breaks
@@ -82,9 +106,38 @@ impl Break {
         }
     }
 
-    /// The crate that the file belongs to, by its folder.
-    pub fn folder(&self) -> &str {
-        self.file.split('/').nth(1).unwrap_or_default()
+    /// The tests that must catch it.
+    pub fn suite(&self) -> Suite {
+        match &self.test {
+            Some(test) => Suite::Test(test.clone()),
+            None => Suite::Crate(self.file.split('/').nth(1).unwrap_or_default().into()),
+        }
+    }
+}
+
+impl Suite {
+    /// The package that it is in.
+    pub fn package(&self) -> String {
+        match self {
+            Suite::Crate(name) => format!("cube3-{name}"),
+            Suite::Test(_) => "cube3-tests".into(),
+        }
+    }
+
+    /// The package's folder, from the workspace's root.
+    fn folder(&self) -> PathBuf {
+        match self {
+            Suite::Crate(name) => Path::new("crates").join(name),
+            Suite::Test(_) => "tests".into(),
+        }
+    }
+
+    /// What is compiled and run, one after another. Most breaks are caught by the unit tests, and the others need not be compiled then.
+    fn targets(&self) -> Vec<Vec<&str>> {
+        match self {
+            Suite::Crate(_) => vec![vec!["--lib"], vec!["--tests"]],
+            Suite::Test(test) => vec![vec!["--test", test]],
+        }
     }
 }
 
@@ -119,16 +172,15 @@ impl Copy {
         self.folder.join("workspace")
     }
 
-    /// The tests of a crate, by its folder, as they are.
+    /// A suite as it is.
     ///
     /// # Errors
     /// What does not compile.
-    pub fn test(&self, name: &str) -> Result<Outcome, String> {
-        // Most breaks are caught by the unit tests, and the others need not be compiled then.
-        for targets in ["--lib", "--tests"] {
-            for program in self.compile(name, targets)? {
+    pub fn test(&self, suite: &Suite) -> Result<Outcome, String> {
+        for targets in suite.targets() {
+            for program in self.compile(suite, &targets)? {
                 let mut run = Command::new(&program);
-                run.current_dir(self.sources().join("crates").join(name)).arg("--quiet");
+                run.current_dir(self.sources().join(suite.folder())).arg("--quiet");
                 // What is found need not be made small.
                 run.env("PROPTEST_DISABLE_FAILURE_PERSISTENCE", "true").env("PROPTEST_MAX_SHRINK_ITERS", "0");
                 run.stdout(Stdio::null()).stderr(Stdio::null());
@@ -140,7 +192,7 @@ impl Copy {
         Ok(Outcome::Passed)
     }
 
-    /// The tests of the broken crate. The file is whole again afterwards.
+    /// The suite of a break. The file is whole again afterwards.
     ///
     /// # Errors
     /// A break that does not compile, and files that cannot be read or written.
@@ -149,19 +201,20 @@ impl Copy {
         let write = |text: &str| fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()));
         let whole = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         write(&of.text()?)?;
-        let outcome = self.test(of.folder());
+        let outcome = self.test(&of.suite());
         write(&whole)?;
         outcome
     }
 
-    /// Compiles tests of a crate; the programs.
-    fn compile(&self, name: &str, targets: &str) -> Result<Vec<PathBuf>, String> {
+    /// Compiles tests of a suite; the programs.
+    fn compile(&self, suite: &Suite, targets: &[&str]) -> Result<Vec<PathBuf>, String> {
         let mut cargo = Command::new("cargo");
         cargo.args(["test", "--no-run", "--profile", "mutants", "--message-format", "json-render-diagnostics"]);
-        cargo.args(["--package", &format!("cube3-{name}"), targets]).env("CARGO_TARGET_DIR", self.folder.join("made"));
+        cargo.args(["--package", &suite.package()]).args(targets);
+        cargo.env("CARGO_TARGET_DIR", self.folder.join("made"));
         let output = cargo.current_dir(self.sources()).output().map_err(|error| format!("cargo: {error}"))?;
         if !output.status.success() {
-            return Err(format!("cube3-{name} does not compile\n{}", String::from_utf8_lossy(&output.stderr)));
+            return Err(format!("{} does not compile\n{}", suite.package(), String::from_utf8_lossy(&output.stderr)));
         }
         let messages = String::from_utf8_lossy(&output.stdout).into_owned();
         let programs = messages.lines().filter_map(|line| {
