@@ -218,8 +218,9 @@ impl Copy {
         }
         let messages = String::from_utf8_lossy(&output.stdout).into_owned();
         let programs = messages.lines().filter_map(|line| {
+            // Programs of the package, which are made for its tests, are none.
             let message: Message = serde_json::from_str(line).ok()?;
-            message.executable
+            message.executable.filter(|_| message.profile.is_some_and(|profile| profile.test))
         });
         Ok(programs.collect())
     }
@@ -229,6 +230,13 @@ impl Copy {
 #[derive(Deserialize)]
 struct Message {
     executable: Option<PathBuf>,
+    profile: Option<Profile>,
+}
+
+/// How it was made.
+#[derive(Deserialize)]
+struct Profile {
+    test: bool,
 }
 
 /// Runs a program to its end; none where it is stuck and was stopped.
