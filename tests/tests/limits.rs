@@ -4,7 +4,7 @@ use cube3::limits::{frame_interval, limits};
 use cube3_frame::FrameSetup;
 use cube3_host::{VolumeInfo, picture_setup};
 use cube3_machine::{
-    Acquisition, AcquisitionMode, Boards, Bus, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, Frames, HostLink,
+    Abc, Acquisition, AcquisitionMode, Boards, Bus, Cfb, ChannelSize, Channels, Cone, ConeKind, Dsb, Frames, HostLink,
     MachineSpec, RaySlots, Rays,
 };
 use cube3_scene::{Perspective, Scene, View};
@@ -29,10 +29,11 @@ fn every_row_limits_a_machine_and_its_name_is_given() {
     let narrow = ChannelSize { capacity: 1, latency: 2 };
     let padded = Rays { slots: RaySlots::Padded, ..m.rays };
     // Each row with a machine, and how many times as long its frames take as without what is in the way; as stated where it follows.
-    let rows: [(&str, MachineSpec, Option<f64>); 9] = [
+    let rows: [(&str, MachineSpec, Option<f64>); 12] = [
         ("memory", MachineSpec { cfb: Cfb { skew: [4, 1, 1], ..Cfb::default() }, ..m.clone() }, Some(4.0)),
         ("acquisition port", MachineSpec { acquisition: stealing, ..m.clone() }, None),
         ("bus", MachineSpec { bus: Bus { channels: Some(SIDE / 2), ..m.bus }, ..m.clone() }, Some(2.0)),
+        ("bus", MachineSpec { bus: Bus { clock_hz: Some(m.clock_hz / 2.0), ..m.bus }, ..m.clone() }, Some(2.0)),
         (
             "links",
             MachineSpec {
@@ -42,6 +43,9 @@ fn every_row_limits_a_machine_and_its_name_is_given() {
             None,
         ),
         ("buffers", MachineSpec { dsb: Dsb { ports: 1, ..m.dsb }, ..m.clone() }, Some(2.0)),
+        // A ring in which nothing comes in while a plane is read.
+        ("buffers", MachineSpec { dsb: Dsb { planes: 2, ..m.dsb }, ..m.clone() }, None),
+        ("buffers", MachineSpec { abc: Abc { planes: 3, ..m.abc }, ..m.clone() }, None),
         ("cone", MachineSpec { cone: Cone { kind: ConeKind::Accumulator }, ..m.clone() }, Some(SIDE as f64)),
         // A token in two cycles and its credit in one more.
         ("channels", MachineSpec { channel: Channels { rays: narrow, ..m.channel }, ..m.clone() }, Some(3.0)),

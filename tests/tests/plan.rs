@@ -6,8 +6,8 @@ use cube3::resources::{memory, operators};
 use cube3_frame::FrameSetup;
 use cube3_host::{PictureFrames, VolumeInfo, frame_setup, picture_setup};
 use cube3_machine::{MachineSpec, OperatorCounts, RaySlots, Rays, ShadingUnit};
-use cube3_plan::{Item, RULES, Rule, Rules};
-use cube3_scene::{Material, Mode, Scene, View};
+use cube3_plan::{Item, Plan, RULES, Rule, Rules, Savings};
+use cube3_scene::{Cut, Material, Mode, Scene, View};
 use cube3_tests::{SmallVolume, for_perspective, from_eye, machines, perspectives, scenes, volumes};
 use proptest::prelude::*;
 
@@ -165,4 +165,31 @@ fn an_eye_has_no_frames_for_faces_that_no_ray_needs() {
     let samples = |setup: &FrameSetup| setup.geometry.slot_counts().iter().product::<usize>() * 16;
     let all: usize = frames.setups.iter().map(samples).sum();
     assert_eq!(cue.operations, cue.operators.all() * all as u64);
+}
+
+/// What one frame has is in the machine; what all of them lack saves its cycles and operations in each.
+#[test]
+fn items_of_several_frames_are_what_all_of_them_lack() {
+    let machine = MachineSpec::default();
+    let volume = VolumeInfo { dims: [8; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
+    let plain = Scene { mode: Mode::Maximum, ..Scene::default() };
+    let cut = Cut { normal: [0.0, 0.0, 1.0], through_voxel: [4.0; 3] };
+    let cropped = Scene { cuts: vec![cut], ..plain.clone() };
+    let setup = |scene: &Scene| frame_setup(scene, &machine, &volume, true).unwrap().setup;
+    let plan = Plan::new(&plain, &machine, Rules::ALL);
+    let items = |frames: &[FrameSetup]| plan.items(&machine, 1, frames);
+    let rules = |items: &[Item]| items.iter().map(|item| item.rule).collect::<Vec<Rule>>();
+    let one = items(&[setup(&plain)]);
+    let without = |rule: Rule| rules(&one).into_iter().filter(|other| *other != rule).collect::<Vec<Rule>>();
+    assert!(rules(&one).contains(&Rule::HalfSpaces));
+    for frames in [[setup(&plain), setup(&cropped)], [setup(&cropped), setup(&plain)]] {
+        let both = items(&frames);
+        assert_eq!(rules(&both), without(Rule::HalfSpaces));
+        for item in &both {
+            let alone = one.iter().find(|other| other.rule == item.rule).unwrap().savings;
+            let expected = (2 * alone.cycles, alone.bytes, 2 * alone.operations, alone.operators);
+            let Savings { cycles, bytes, operations, operators, .. } = item.savings;
+            assert_eq!((cycles, bytes, operations, operators), expected, "{:?}", item.rule);
+        }
+    }
 }

@@ -202,8 +202,12 @@ fn of_two_limits_the_slower_is_critical_and_the_other_limits_then() {
 fn every_interface_carries_what_its_tokens_hold() {
     let boards = Boards { count: 2, link_words_per_cycle: Some(8.0), ..Boards::default() };
     let host_link = HostLink { bytes_per_cycle: Some(24.0) };
-    let bus = Bus { channels: Some(8), ..Bus::default() };
-    let machine = MachineSpec { lanes: 16, boards, host_link, bus, ..MachineSpec::default() };
+    let clock_hz = MachineSpec::default().clock_hz;
+    let bus = Bus { channels: Some(8), clock_hz: Some(4.0 * clock_hz), ..Bus::default() };
+    let cfb = Cfb { memory_clock_hz: Some(2.0 * clock_hz), ..Cfb::default() };
+    // A sample is longer than a voxel.
+    let words = Words { sample_fraction_bits: 8, ..Words::default() };
+    let machine = MachineSpec { lanes: 16, words, cfb, boards, host_link, bus, ..MachineSpec::default() };
     let (report, counters) = count(&machine, 16);
     let words = &machine.words;
     let [voxel, sample] = [words.voxel_bits, words.sample_bits()].map(|bits| f64::from(bits) / 8.0);
@@ -222,8 +226,8 @@ fn every_interface_carries_what_its_tokens_hold() {
     let carried: f64 = counters.links.iter().map(|link| link.carried() as f64).sum();
     assert!(carried > 0.0);
     let expected = [
-        ("memory to bus", Some(16.0 * voxel), samples * voxel),
-        ("bus to buffers", Some(8.0 * voxel), samples * voxel),
+        ("memory to bus", Some(2.0 * 16.0 * voxel), samples * voxel),
+        ("bus to buffers", Some(4.0 * 8.0 * voxel), samples * voxel),
         ("buffers to interpolation", Some(2.0 * 16.0 * voxel), 2.0 * samples * voxel),
         ("interpolation to shading", Some(16.0 * sample), samples * sample),
         ("shading to cone", Some(16.0 * colour), samples * colour),
