@@ -197,3 +197,32 @@ impl Fan {
         shape.position(self.starts[i], self.slopes[i], k) as f64 / one
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Columns by the three rules, from places in exact fractions: the floor at the sample, the floor at the plane, the nearest there.
+        #[test]
+        fn a_column_is_the_floor_or_the_nearest(
+            start in -(40_i64 << 30)..40 << 30, slope in -(2_i64 << 30)..=2 << 30, first_depth in 0_usize..4, behind in 0_usize..40,
+            weight_bits in 0_u32..=12, offset in 0.0..1.0_f64,
+        ) {
+            let offset = (offset * f64::from(1_u32 << weight_bits)) as u32;
+            let k = first_depth + behind;
+            let one = 1_i128 << SLOPE_FRACTION_BITS;
+            let at_plane = i128::from(start) + behind as i128 * i128::from(slope);
+            let [weights, o] = [1_i128 << weight_bits, i128::from(offset)];
+            for (rule, expected) in [
+                (TemplateRule::SampleFloor, (at_plane * weights + o * i128::from(slope)).div_euclid(one * weights)),
+                (TemplateRule::PlaneFloor, at_plane.div_euclid(one)),
+                (TemplateRule::Nearest, (2 * at_plane + one).div_euclid(2 * one)),
+            ] {
+                let shape = FanShape { first_depth, depths: k + 1, offset, weight_bits, rule };
+                prop_assert_eq!(i128::from(shape.column(start, slope, k)), expected, "{:?}", rule);
+            }
+        }
+    }
+}
