@@ -117,11 +117,6 @@ impl Schedule {
         self.plane_number(self.sections.count() as u32, 0)
     }
 
-    /// Beams of the frame, those of each section, with those that lie outside of the volume where slots are padded.
-    pub fn beam_count(&self) -> u64 {
-        self.planes_of_frame() * self.shape.depths as u64
-    }
-
     /// Planes of the frame before a plane of a section.
     #[inline]
     pub fn plane_number(&self, section: u32, plane: u32) -> u64 {

@@ -54,7 +54,7 @@ proptest! {
             }
         }
         prop_assert_eq!(&schedule.beams().collect::<Vec<_>>(), &beams);
-        prop_assert_eq!(schedule.beam_count(), beams.len() as u64);
+        prop_assert_eq!(schedule.planes_of_frame() * shape.depths as u64, beams.len() as u64);
         prop_assert!(beams.is_sorted());
         let mut place = BeamPlace::default();
         for (number, beam) in beams.iter().enumerate() {
@@ -126,7 +126,7 @@ proptest! {
         });
         prop_assert_eq!(in_volume.count(), voxels);
         prop_assert_eq!(schedule.sections().count(), slots.div_ceil(section));
-        prop_assert_eq!(schedule.beam_count(), (slots.div_ceil(section) * planes * geometry.size[2]) as u64);
+        prop_assert_eq!(schedule.planes_of_frame(), (slots.div_ceil(section) * planes) as u64);
         // Lanes take as many words a cycle as they are.
         let taken = |words: usize| (0..words).step_by(lanes).count() as u64;
         prop_assert_eq!(schedule.row_cycles(), taken(geometry.size[0]));
