@@ -355,11 +355,7 @@ fn front_depth(geometry: &Geometry, margin: f64) -> f64 {
         return -margin;
     };
     let eye = pass.first_depth as f64 - pass.spacing[0] as f64 / pass.spacing[1] as f64;
-    match pass.first_depth {
-        0 if margin == 0.0 => 0.0,
-        0 => eye.max(-margin),
-        _ => eye,
-    }
+    if pass.first_depth == 0 { eye.clamp(-margin, 0.0) } else { eye }
 }
 
 /// Opacity tables of the ends, for opacities of unit length: class j is for j of the 2^[`EndRegisters::PART_BITS`] parts of the longest
