@@ -1,20 +1,13 @@
 //! An animation as one file: a PNG of several frames (APNG), which every browser plays and every reader of PNG opens at its
 //! first frame.
 
+use cube3::sequence::playback_fps;
 use png::{BitDepth, ColorType, Encoder, EncodingError, Writer};
 use std::io::Write;
 
 /// An animation that is being written, frame by frame.
 pub struct Animation<W: Write> {
     writer: Writer<W>,
-}
-
-/// Slowest and fastest playback, in frames per second: browsers hold a frame for a hundredth of a second at least.
-const PLAYBACK_FPS: [f64; 2] = [1.0, 30.0];
-
-/// The playback of frames that come at a rate: the same within what a viewer can follow.
-pub fn playback_fps(fps: f64) -> f64 {
-    fps.clamp(PLAYBACK_FPS[0], PLAYBACK_FPS[1])
 }
 
 impl<W: Write> Animation<W> {

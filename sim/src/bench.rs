@@ -1,21 +1,21 @@
 //! What `cube3 bench` measures: the runs beside the memory bandwidth of the machine that it runs on.
 
-use crate::function::{CanonicalVolume, render};
-use crate::inputs::{self, LoadedVolume};
-use crate::machine::{Machine, RunError};
 use crate::problem::Outcome;
-use crate::trace::{Format, Recorder, Window};
 use cube3_channel::{Channel, Pipe, Unit};
+use cube3_function::{CanonicalVolume, render};
 use cube3_host::{Frame, VolumeInfo, frame_setup};
+use cube3_inputs::{self as inputs, LoadedVolume};
 use cube3_machine::MachineSpec;
+use cube3_pipeline::{Machine, RunError};
 use cube3_scene::{Scene, VolumeSource};
+use cube3_trace::{CycleWindow, Recorder, TraceFormat};
 use cube3_volume::ReadOptions;
 use rayon::prelude::*;
 use std::time::Instant;
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug)]
-pub struct Plan {
+pub struct Sizes {
     /// Voxels a side for function runs.
     pub size: usize,
     /// Voxels a side for timing runs.
@@ -121,7 +121,7 @@ impl FunctionCase {
             scene.transfer.opacity = vec![[0.0, 0.05], [255.0, 0.05]];
         }
         let machine = MachineSpec { lanes: size, ..MachineSpec::default() };
-        let volume = inputs::volume(&scene, &machine, &ReadOptions::default(), false)?;
+        let volume = inputs::load_volume(&scene, &machine, &ReadOptions::default(), false)?;
         let frame = frame_setup(&scene, &machine, &volume.info(), skip)?;
         Ok(FunctionCase { volume, frame, skip })
     }
@@ -148,25 +148,25 @@ fn row(what: &str, value: f64, scale: f64, unit: &'static str, note: String) -> 
 ///
 /// # Errors
 /// A volume that cannot be made.
-pub fn measure(plan: &Plan) -> Outcome<Vec<Measurement>> {
+pub fn measure(sizes: &Sizes) -> Outcome<Vec<Measurement>> {
     let threads = rayon::current_num_threads();
     let mut rows = Vec::new();
-    let bandwidth = copy_bandwidth(plan.repeats);
+    let bandwidth = copy_bandwidth(sizes.repeats);
     rows.push(row("memory, copying", bandwidth, 1e9, "GB/s", format!("{threads} threads, read and written")));
-    let ticks = pipe(plan.repeats)?;
+    let ticks = pipe(sizes.repeats)?;
     rows.push(row("channel, pipe of five stages", ticks, 1e6, "M unit-ticks/s", "1 thread".into()));
-    let (cycles, time) = timing(plan)?;
+    let (cycles, time) = timing(sizes)?;
     let units = 8.0;
-    rows.push(row("timing, a frame", time, 1.0, "s", format!("{} voxels a side, {cycles} cycles", plan.timing_size)));
+    rows.push(row("timing, a frame", time, 1.0, "s", format!("{} voxels a side, {cycles} cycles", sizes.timing_size)));
     let speed = cycles as f64 * units / time;
     rows.push(row("timing, units", speed, 1e6, "M unit-ticks/s", format!("{:.2} of the pipe's", speed / ticks)));
     for (what, format) in [
         ("timing, the whole frame recorded", None),
-        ("timing, 1000 cycles traced as FST", Some(Format::Fst)),
-        ("timing, 1000 cycles traced as Kanata", Some(Format::Kanata)),
-        ("timing, 1000 cycles traced as JSON", Some(Format::Perfetto)),
+        ("timing, 1000 cycles traced as FST", Some(TraceFormat::Fst)),
+        ("timing, 1000 cycles traced as Kanata", Some(TraceFormat::Kanata)),
+        ("timing, 1000 cycles traced as JSON", Some(TraceFormat::Perfetto)),
     ] {
-        let ratio = traced(plan, format)?;
+        let ratio = traced(sizes, format)?;
         rows.push(row(what, ratio, 1.0, "times as long", "as the frame without a trace".into()));
     }
     let cases = [
@@ -177,8 +177,8 @@ pub fn measure(plan: &Plan) -> Outcome<Vec<Measurement>> {
     ];
     let mut first = None;
     for (what, shaded, opaque, skip) in cases {
-        let case = FunctionCase::new(plan.size, shaded, opaque, skip)?;
-        let (samples, bytes) = case.speed(plan.repeats);
+        let case = FunctionCase::new(sizes.size, shaded, opaque, skip)?;
+        let (samples, bytes) = case.speed(sizes.repeats);
         let first = *first.get_or_insert(samples);
         let note = format!("{:.2} of the first, {:.1} % of the bandwidth", samples / first, 100.0 * bytes / bandwidth);
         rows.push(row(what, samples, 1e6, "M samples/s", note));
@@ -187,27 +187,27 @@ pub fn measure(plan: &Plan) -> Outcome<Vec<Measurement>> {
 }
 
 /// The machine and the frame of timing runs: the default view.
-fn timing_case(plan: &Plan) -> Outcome<(MachineSpec, Frame)> {
+fn timing_case(sizes: &Sizes) -> Outcome<(MachineSpec, Frame)> {
     let machine = inputs::machine("cube3-512")?;
-    let volume = VolumeInfo { dims: [plan.timing_size; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
+    let volume = VolumeInfo { dims: [sizes.timing_size; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
     let frame = frame_setup(&Scene::default(), &machine, &volume, true)?;
     Ok((machine, frame))
 }
 
 /// How much longer a timing run takes with a recording: of the whole frame and kept in memory, or of a window in its middle and
 /// made into a file of a format. Runs with and without are measured in turn.
-fn traced(plan: &Plan, format: Option<Format>) -> Outcome<f64> {
-    let (machine, frame) = timing_case(plan)?;
+fn traced(sizes: &Sizes, format: Option<TraceFormat>) -> Outcome<f64> {
+    let (machine, frame) = timing_case(sizes)?;
     let frames = || vec![frame.setup.clone()];
     let mut plain = Machine::timing(&machine, frames())?;
     plain.run(&|_, _| {})?;
     let cycles = plain.counters().cycles;
     let window = match format {
-        None => Window { from: 0, to: cycles },
-        Some(_) => Window { from: cycles / 2, to: cycles / 2 + WINDOW_CYCLES },
+        None => CycleWindow { from: 0, to: cycles },
+        Some(_) => CycleWindow { from: cycles / 2, to: cycles / 2 + WINDOW_CYCLES },
     };
     let mut ratios = Vec::new();
-    for _ in 0..=plan.repeats {
+    for _ in 0..=sizes.repeats {
         let mut plain = Machine::timing(&machine, frames())?;
         let start = Instant::now();
         plain.run(&|_, _| {})?;
@@ -229,11 +229,11 @@ fn traced(plan: &Plan, format: Option<Format>) -> Outcome<f64> {
 }
 
 /// Cycles and seconds of a timing run of the default view.
-fn timing(plan: &Plan) -> Outcome<(u64, f64)> {
-    let (machine, frame) = timing_case(plan)?;
+fn timing(sizes: &Sizes) -> Outcome<(u64, f64)> {
+    let (machine, frame) = timing_case(sizes)?;
     let mut cycles = 0;
     let mut failed = None;
-    let time = seconds(plan.repeats, || match Machine::timing(&machine, vec![frame.setup.clone()]) {
+    let time = seconds(sizes.repeats, || match Machine::timing(&machine, vec![frame.setup.clone()]) {
         Ok(mut machine) => {
             failed = machine.run(&|_, _| {}).err().map(RunError::from);
             cycles = machine.counters().cycles;

@@ -1,38 +1,10 @@
-//! The Cube-3 machine put together, the experiments on it, and the `cube3` command.
+//! The `cube3` command: one file a command, no arithmetic.
 
-pub mod acquisition;
-pub mod animation;
+#![warn(missing_docs)]
+
+mod animation;
 pub mod bench;
-pub mod checkpoint;
-pub mod clocked;
 pub mod command;
-mod crowded_words;
-mod directions;
-mod ends_note;
-pub mod fidelity;
-pub mod function;
-mod function_perspective;
-pub mod gradient_error;
-pub mod host_port;
-pub mod inputs;
-pub mod limits;
-pub mod links;
-pub mod machine;
-pub mod memory;
-pub mod notes;
-pub mod opacity_check;
-pub mod output;
-pub mod overlap;
+mod output;
 pub mod problem;
-pub mod progress;
-mod ray_spacing;
-pub mod record;
-pub mod reference;
-pub mod resources;
-pub mod rtl_frame;
-pub mod run;
-pub mod sequence;
-pub mod topology;
-pub mod trace;
-mod vector_files;
-pub mod words_study;
+mod progress;

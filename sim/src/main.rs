@@ -1,8 +1,8 @@
 //! The `cube3` command.
 
 use clap::Parser;
-use cube3::command::Arguments;
-use cube3::problem::{Outcome, Problem};
+use cube3_sim::command::Arguments;
+use cube3_sim::problem::{Outcome, Problem};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {

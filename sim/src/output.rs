@@ -2,15 +2,14 @@
 
 use crate::animation::Animation;
 use crate::problem::{Outcome, Problem};
-use crate::run::RunResult;
-use crate::sequence::Shown;
+use cube3::RunResult;
+use cube3::sequence::Shown;
 use cube3_machine::MachineSpec;
-use cube3_metrics::Picture;
+use cube3_picture::Picture;
 use cube3_report::{Figure, html, png_rgb8, to_json, to_rgb8};
 use cube3_scene::Scene;
-use cube3_vectors::waveform::Waveform;
 use std::fs::File;
-use std::io::{BufWriter, Seek, Write};
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 /// The animation's file.
@@ -93,7 +92,7 @@ pub fn write_files(folder: &Path, files: &[(&str, Vec<u8>)]) -> Outcome<Vec<Stri
     make_folder(folder, "--out")?;
     let write = |(name, bytes): &(&str, Vec<u8>)| {
         let path = folder.join(name);
-        replace(&path, bytes).map_err(|error| failed(&path, error))?;
+        cube3_file::write_whole(&path, bytes).map_err(|error| failed(&path, error))?;
         Ok(path.display().to_string())
     };
     files.iter().map(write).collect()
@@ -104,90 +103,9 @@ pub fn write_files(folder: &Path, files: &[(&str, Vec<u8>)]) -> Outcome<Vec<Stri
 /// # Errors
 /// A file that cannot be written.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Outcome<()> {
-    replace(path, bytes).map_err(|error| unwritten(path, error))
-}
-
-pub(crate) fn unwritten(path: &Path, error: std::io::Error) -> Problem {
-    Problem::new(format!("{}: {error}; give a file in a folder that can be written", path.display()))
-}
-
-/// A file that a person has named and that comes in pieces: whole once it is kept, or not at all.
-pub struct WholeFile {
-    path: PathBuf,
-    part: PathBuf,
-    file: BufWriter<File>,
-}
-
-impl WholeFile {
-    /// An empty file beside its place; `extension` tells several parts of one file apart.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
-    pub fn new(path: &Path, extension: &str) -> Outcome<WholeFile> {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let part = path.with_file_name(format!(".{name}.{extension}"));
-        let open = File::options().read(true).write(true).create(true).truncate(true).open(&part);
-        let file = BufWriter::new(open.map_err(|error| unwritten(path, error))?);
-        Ok(WholeFile { path: path.to_owned(), part, file })
-    }
-
-    /// Adds all of another file.
-    ///
-    /// # Errors
-    /// What cannot be written, with the file's path.
-    pub fn append(&mut self, mut other: WholeFile) -> Outcome<()> {
-        let mut append = || {
-            other.file.flush()?;
-            other.file.get_mut().rewind()?;
-            self.file.flush()?;
-            std::io::copy(other.file.get_mut(), self.file.get_mut())
-        };
-        append().map(drop).map_err(|error| unwritten(&self.path, error))
-    }
-
-    /// Puts the file into its place.
-    ///
-    /// # Errors
-    /// What cannot be written, with the file's path.
-    pub fn keep(mut self) -> Outcome<()> {
-        let kept = self.file.flush().and_then(|()| std::fs::rename(&self.part, &self.path));
-        kept.map_err(|error| unwritten(&self.path, error))
-    }
-}
-
-impl Write for WholeFile {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.file.write(bytes)
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        self.file.flush()
-    }
-}
-
-impl Drop for WholeFile {
-    /// Nothing half-made stays; what was kept is no longer there.
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.part);
-    }
-}
-
-/// Writes a waveform as [`write_whole`] does, and beside it how GTKWave (`.gtkw`) and Surfer (`.sucl`) show it.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write_waveform(path: &Path, waveform: &Waveform) -> Outcome<()> {
-    let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    write_whole(path, &waveform.fst)?;
-    write_whole(&path.with_extension("gtkw"), waveform.gtkwave(&name).as_bytes())?;
-    write_whole(&path.with_extension("sucl"), waveform.surfer().as_bytes())
-}
-
-/// Writes beside the file first, so that it appears at once.
-fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let name = path.file_name().ok_or_else(|| std::io::Error::other("this is no name for a file"))?;
-    let part = path.with_file_name(format!(".{}.part", name.to_string_lossy()));
-    std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path))
+    cube3_file::write_whole(path, bytes).map_err(|error| {
+        Problem::new(format!("{}: {error}; give a file in a folder that can be written", path.display()))
+    })
 }
 
 fn failed(path: &Path, error: std::io::Error) -> Problem {

@@ -1,4 +1,4 @@
-//! A progress bar that shows itself only when something takes longer than a second.
+//! Progress bars that show themselves only when something takes longer than a second.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::sync::Mutex;
@@ -26,41 +26,59 @@ impl Drop for Waiting {
     }
 }
 
-/// Progress of one piece of work.
-pub struct Progress {
+/// The bars of a command, one for each part of its work; they go with the value.
+#[derive(Default)]
+pub struct Bars(Mutex<Vec<Bar>>);
+
+struct Bar {
+    what: &'static str,
     start: Instant,
-    shown: Mutex<bool>,
+    shown: bool,
     bar: ProgressBar,
 }
 
-impl Progress {
-    /// Starts the clock.
-    pub fn new(what: &'static str) -> Progress {
+impl Bars {
+    /// `done` of `all` of a part is done. A part that begins again has a new bar.
+    pub fn set(&self, what: &'static str, done: u64, all: u64) {
+        let Ok(mut bars) = self.0.lock() else { return };
+        let place = bars.iter().position(|bar| bar.what == what && !bar.bar.is_finished());
+        let place = place.unwrap_or_else(|| {
+            bars.push(Bar::new(what));
+            bars.len() - 1
+        });
+        bars[place].set(done, all);
+    }
+}
+
+impl Bar {
+    fn new(what: &'static str) -> Bar {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
         let style = ProgressStyle::with_template("{msg:>10} [{bar:40}] {percent:>3} %  {eta} left");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.set_message(what);
-        Progress { start: Instant::now(), shown: Mutex::new(false), bar }
+        Bar { what, start: Instant::now(), shown: false, bar }
     }
 
-    /// `done` of `all` is done.
-    pub fn set(&self, done: u64, all: u64) {
-        if self.start.elapsed() < PATIENCE {
+    fn set(&mut self, done: u64, all: u64) {
+        if done >= all {
+            self.bar.finish_and_clear();
+        }
+        if self.start.elapsed() < PATIENCE || done >= all {
             return;
         }
-        if let Ok(mut shown) = self.shown.lock()
-            && !*shown
-        {
+        if !self.shown {
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
-            *shown = true;
+            self.shown = true;
         }
         self.bar.set_length(all);
         self.bar.set_position(done);
     }
+}
 
-    /// Seconds since the start; the bar goes.
-    pub fn finish(self) -> f64 {
-        self.bar.finish_and_clear();
-        self.start.elapsed().as_secs_f64()
+impl Drop for Bars {
+    fn drop(&mut self) {
+        for bar in self.0.get_mut().into_iter().flatten() {
+            bar.bar.finish_and_clear();
+        }
     }
 }

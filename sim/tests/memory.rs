@@ -1,11 +1,11 @@
 //! Memory is known before it is taken: estimates against what is taken, and refusals under a limit.
 
 use clap::Parser;
-use cube3::command::Arguments;
+use cube3::Runs;
 use cube3::memory::{self, Case, Grid, Need};
-use cube3::run::Runs;
 use cube3_machine::MachineSpec;
 use cube3_scene::{Image, Perspective, Scene, VolumeSource};
+use cube3_sim::command::Arguments;
 use cube3_vectors::{Format, units};
 use cube3_volume::{
     FileInfo, Format as VolumeFormat, NewGrid, Phantom, PhantomParams, Resampling, Space, Volume, World, write,
@@ -132,7 +132,7 @@ fn studies_and_states() -> Vec<(Vec<String>, Need)> {
         ),
         (
             words(&format!("bench --size {side} --timing-size {timing} --repeats 1 --threads 2")),
-            memory::bench(cube3::bench::COPY_BYTES as u64, side, timing, 2),
+            memory::bench(cube3_sim::bench::COPY_BYTES as u64, side, timing, 2),
         ),
     ]
 }

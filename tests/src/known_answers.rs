@@ -3,11 +3,11 @@
 //! All volumes are cubes of [`SIDE`] voxels of unit spacing, white over black, not lit. An answer is asked of the pixels whose rays enter
 //! through the front face and leave through the back one, two voxels from the others, so that rays of the base plane beside them do so too.
 
-use cube3::function::{CanonicalVolume, render};
-use cube3::machine::Machine;
 use cube3_frame::{BasePlane, FrameSetup, Geometry};
+use cube3_function::{CanonicalVolume, render};
 use cube3_host::{PictureFrames, VolumeInfo, picture_setup, warp_passes};
 use cube3_machine::{MachineSpec, RayEnds, Rays, TemplateRule};
+use cube3_pipeline::Machine;
 use cube3_reference::{ImageOrderOptions, image_order};
 use cube3_scene::{ColourPoint, Cut, Image, ImagePlane, Mode, Perspective, Scene, View};
 use cube3_twin::{DiscreteOptions, Interpolation, discrete};
@@ -428,7 +428,7 @@ fn twin(question: &Question, interpolation: Interpolation) -> Vec<f64> {
 fn in_image_order(question: &Question) -> Vec<f64> {
     let options = ImageOrderOptions { step_voxel: 0.5, ..ImageOrderOptions::default() };
     let picture = image_order(&question.data(), &question.scene, &options, None);
-    grey(picture.unwrap_or_else(|error| panic!("{error}")).pixels)
+    grey(picture.unwrap_or_else(|error| panic!("{error}")).picture.pixels)
 }
 
 fn grey(pixels: Vec<[f64; 3]>) -> Vec<f64> {

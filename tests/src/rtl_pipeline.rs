@@ -1,13 +1,15 @@
 //! The pipeline in SystemVerilog in an event-driven and in a compiled simulator, beside `Machine::cycle`.
 
 use crate::{SmallVolume, rtl};
-use cube3::fidelity::Cycle;
-use cube3::machine::{Machine, Overflows, RunCounters};
-use cube3::{inputs, rtl_frame};
+use cube3_frame::Overflows;
 use cube3_frame::{BasePlane, DiscreteRay, FrameSetup};
 use cube3_host::{VolumeInfo, frame_setup};
+use cube3_inputs as inputs;
 use cube3_machine::{Abc, GradientMethod, MachineSpec};
+use cube3_pipeline::Cycle;
+use cube3_pipeline::{Machine, RunCounters};
 use cube3_scene::{Light, Material, Mode, Scene, View, VolumeSource};
+use cube3_vectors::rtl_frame;
 use cube3_volume::ReadOptions;
 use cube3_word::{Rounding, Words};
 use std::path::{Path, PathBuf};
@@ -423,7 +425,7 @@ pub fn phantom(n: usize, machine: &MachineSpec) -> (SmallVolume, VolumeInfo) {
     let volume = VolumeSource { size_voxels: Some(n), ..Scene::default().volume };
     let scene = Scene { volume, ..Scene::default() };
     let loaded =
-        inputs::volume(&scene, machine, &ReadOptions::default(), false).unwrap_or_else(|error| panic!("{error}"));
+        inputs::load_volume(&scene, machine, &ReadOptions::default(), false).unwrap_or_else(|error| panic!("{error}"));
     let info = loaded.info();
     (SmallVolume { dims: info.dims, spacing: info.spacing, words: loaded.words.words }, info)
 }

@@ -1,14 +1,14 @@
 //! Volumes that come in while frames are read: what each frame saw is known to the voxel, rates have closed forms, and stolen
 //! cycles are all that stealing costs.
 
-use cube3::acquisition::{Mixture, Sight};
-use cube3::function::{CanonicalVolume, render};
-use cube3::machine::Machine;
 use cube3_cfb::{AcquisitionPort, Piece, PortSpec};
 use cube3_channel::Reason;
 use cube3_frame::{BeamPlace, FrameSetup, Schedule};
+use cube3_function::{CanonicalVolume, render};
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::{Acquisition, AcquisitionMode, Frames, MachineSpec, RaySlots, Rays};
+use cube3_pipeline::Machine;
+use cube3_pipeline::acquisition::{Mixture, Sight};
 use cube3_scene::{Scene, View};
 use cube3_tests::{machines, scenes, volumes};
 use proptest::prelude::*;
@@ -20,7 +20,7 @@ fn modes() -> impl Strategy<Value = AcquisitionMode> {
     proptest::sample::select(MODES.to_vec())
 }
 
-fn port(machine: &Machine<impl cube3::fidelity::Fidelity>) -> &AcquisitionPort {
+fn port(machine: &Machine<impl cube3_pipeline::Fidelity>) -> &AcquisitionPort {
     machine.port().unwrap()
 }
 
@@ -230,7 +230,7 @@ proptest! {
 #[test]
 fn modules_of_mini_blocks_lose_the_stolen_cycles_and_no_more() {
     for (n, part) in [(16, 0.3), (16, 1.0), (24, 0.05)] {
-        let mut machine = cube3::inputs::machine("em-cube").unwrap();
+        let mut machine = cube3_inputs::machine("em-cube").unwrap();
         let words_per_cycle = 4.0 * part;
         machine.acquisition = Acquisition { mode: AcquisitionMode::CycleStealing, words_per_cycle };
         let scene = Scene { view: View::from_direction([0.4, 0.3, 1.0], None), ..Scene::default() };

@@ -1,11 +1,11 @@
 //! A run that is saved and resumed ends as one that was not interrupted, and nothing else is taken for a saved run.
 
-use cube3::checkpoint::{CheckpointError, Identity, restore, save};
-use cube3::fidelity::Fidelity;
-use cube3::machine::Machine;
 use cube3_frame::FrameSetup;
 use cube3_host::frame_setup;
 use cube3_machine::{Frames, MachineSpec};
+use cube3_pipeline::Fidelity;
+use cube3_pipeline::Machine;
+use cube3_pipeline::checkpoint::{CheckpointError, RunIdentity, restore, save};
 use cube3_scene::Scene;
 use cube3_tests::{SmallVolume, machines, scenes, volumes};
 use proptest::prelude::*;
@@ -33,16 +33,16 @@ fn cases() -> impl Strategy<Value = Case> {
 }
 
 impl Case {
-    fn cycle(&self) -> Machine<cube3::fidelity::Cycle> {
+    fn cycle(&self) -> Machine<cube3_pipeline::Cycle> {
         Machine::cycle(&self.machine, self.setups.clone(), self.volume.dims, &self.volume.words).unwrap()
     }
 
-    fn timing(&self) -> Machine<cube3::fidelity::Timing> {
+    fn timing(&self) -> Machine<cube3_pipeline::Timing> {
         Machine::timing(&self.machine, self.setups.clone()).unwrap()
     }
 
-    fn identity(&self, fidelity: &str) -> Identity {
-        Identity::new(fidelity, &self.machine, &self.setups, self.volume.dims, &self.volume.words)
+    fn identity(&self, fidelity: &str) -> RunIdentity {
+        RunIdentity::new(fidelity, &self.machine, &self.setups, self.volume.dims, &self.volume.words)
     }
 }
 
@@ -52,7 +52,7 @@ fn finish<F: Fidelity>(mut machine: Machine<F>) -> Machine<F> {
 }
 
 /// Runs a new machine to each of some cycles, saves it, and goes on with another; the last one, not finished yet.
-fn interrupted<F: Fidelity>(build: impl Fn() -> Machine<F>, identity: &Identity, stops: &[u64]) -> Machine<F> {
+fn interrupted<F: Fidelity>(build: impl Fn() -> Machine<F>, identity: &RunIdentity, stops: &[u64]) -> Machine<F> {
     let mut machine = build();
     for &stop in stops {
         assert!(!machine.run_until(stop, &|_, _| {}).unwrap());

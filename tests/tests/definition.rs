@@ -1,11 +1,12 @@
 //! What the machine makes of a frame is the frame by definition: in every pixel, whatever the machine, the scene and the volume.
 
-use cube3::function::{CanonicalVolume, render};
-use cube3::machine::{Machine, Overflows};
 use cube3_definition::Definition;
+use cube3_frame::Overflows;
 use cube3_frame::{BasePlane, FrameSetup};
+use cube3_function::{CanonicalVolume, render};
 use cube3_host::picture_setup;
 use cube3_machine::MachineSpec;
+use cube3_pipeline::Machine;
 use cube3_scene::Scene;
 use cube3_tests::{SmallVolume, for_perspective, from_eye, machines, perspectives, scenes, volumes};
 use proptest::prelude::*;

@@ -1,8 +1,8 @@
 //! Pictures whose value is the length of a ray: with exact ends a ray is as long as it is between the voxel centres of its faces, in the
 //! crop box and on the near side of cuts.
 
-use cube3::function::{CanonicalVolume, FunctionRun, render};
 use cube3_frame::FrameSetup;
+use cube3_function::{CanonicalVolume, FunctionRun, render};
 use cube3_host::{VolumeInfo, picture_setup};
 use cube3_machine::{MachineSpec, RayEnds, Rays, TemplateRule};
 use cube3_scene::{Crop, Cut, Mode, Perspective, Scene, View};

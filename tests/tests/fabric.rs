@@ -2,10 +2,10 @@
 //! where there is a closed form.
 
 use cube3::limits::frame_interval;
-use cube3::machine::{Machine, RunCounters};
 use cube3_channel::Reason;
 use cube3_host::{Frame, VolumeInfo, frame_setup};
 use cube3_machine::{Abc, Boards, Bus, Cone, ConeKind, Dsb, Frames, HostLink, MachineSpec, RaySlots, Rays};
+use cube3_pipeline::{Machine, RunCounters};
 use cube3_scene::{Scene, View};
 use proptest::prelude::*;
 

@@ -1,10 +1,10 @@
 //! The three ways to run the machine agree: *cycle* = *function* in every bit, *cycle* = *timing* in every counter.
 
-use cube3::function::{CanonicalVolume, FunctionRun, render};
-use cube3::machine::Machine;
 use cube3_frame::FrameSetup;
+use cube3_function::{CanonicalVolume, FunctionRun, render};
 use cube3_host::frame_setup;
 use cube3_machine::{Cfb, Layout, MachineSpec, RaySlots, Rays};
+use cube3_pipeline::Machine;
 use cube3_scene::{Mode, Scene};
 use cube3_tests::{SmallVolume, machines, scenes, volumes};
 use cube3_word::Words;

@@ -1,11 +1,12 @@
 //! The three ways to run the machine agree in perspective too, pass by pass: *cycle* = *function* in every bit, *cycle* = *timing* in
 //! every counter.
 
-use cube3::function::{CanonicalVolume, FunctionRun, render};
-use cube3::machine::{Machine, Overflows};
+use cube3_frame::Overflows;
 use cube3_frame::{BasePlane, FrameSetup};
+use cube3_function::{CanonicalVolume, FunctionRun, render};
 use cube3_host::{PictureFrames, picture_setup};
 use cube3_machine::MachineSpec;
+use cube3_pipeline::Machine;
 use cube3_scene::{Perspective, Scene};
 use cube3_tests::{SmallVolume, for_perspective, from_eye, machines, perspectives, scenes, volumes};
 use proptest::prelude::*;

@@ -1,7 +1,7 @@
 //! `FrameSetup` is all that enters the machine: written to a file and read back, it is checked whole and drives the same frame.
 
-use cube3::function::{CanonicalVolume, render};
 use cube3_frame::FrameSetup;
+use cube3_function::{CanonicalVolume, render};
 use cube3_host::{frame_setup, picture_setup};
 use cube3_tests::{for_perspective, from_eye, machines, perspectives, scenes, volumes};
 use proptest::prelude::*;

@@ -1,9 +1,9 @@
 //! Frames one behind another: the bits of each are those of the frame alone, and the rate is that of the busiest port.
 
-use cube3::machine::Machine;
 use cube3_frame::FrameSetup;
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::{Cfb, Frames, MachineSpec, RaySlots, Rays};
+use cube3_pipeline::Machine;
 use cube3_scene::{Scene, View};
 use cube3_tests::{machines, scenes, volumes};
 use proptest::prelude::*;

@@ -1,9 +1,9 @@
 //! The mean angle of gradients in a report: known in closed form on ramps, and summed by other code on surfaces of several steepnesses.
 
-use cube3::inputs::LoadedVolume;
-use cube3::run::{RunOptions, Runs, run_frame};
+use cube3::{RunOptions, Runs, run};
 use cube3_frame::DiscreteRay;
 use cube3_host::{VolumeInfo, frame_setup};
+use cube3_inputs::LoadedVolume;
 use cube3_machine::{Abc, GradientMethod, MachineSpec};
 use cube3_scene::{ColourPoint, Crop, Cut, Image, Scene, View};
 use cube3_twin::{Interpolation, RaySamples};
@@ -43,7 +43,7 @@ fn machine(gradient: GradientMethod) -> MachineSpec {
 /// The mean angle that the report of a run has, in degrees.
 fn reported(scene: &Scene, machine: &MachineSpec, volume: &LoadedVolume) -> f64 {
     let options = RunOptions { runs: Runs::Function, ..RunOptions::default() };
-    run_frame(scene, machine, volume, &options).unwrap().report.error.unwrap().gradient_mean_deg.unwrap()
+    run(scene, machine, volume, &options).unwrap().report.error.unwrap().gradient_mean_deg.unwrap()
 }
 
 fn angle_deg(a: DVec3, b: DVec3) -> f64 {

@@ -1,11 +1,11 @@
 //! Label volumes: every sample is its nearest voxel, whole, in every view, and the machine shows nothing else.
 
-use cube3::function::{CanonicalVolume, render};
-use cube3::machine::Machine;
 use cube3_definition::Definition;
 use cube3_frame::{BasePlane, DiscreteRay, FrameSetup};
+use cube3_function::{CanonicalVolume, render};
 use cube3_host::{VolumeInfo, picture_setup};
 use cube3_machine::MachineSpec;
+use cube3_pipeline::Machine;
 use cube3_scene::{ColourPoint, Image, Material, Mode, Perspective, Scene, Transfer, View, VolumeSource};
 use cube3_tests::{SmallVolume, directions, for_perspective, from_eye, machines, perspectives, volumes};
 use cube3_twin::{Interpolation, RaySamples};

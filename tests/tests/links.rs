@@ -2,13 +2,13 @@
 //! reads from.
 
 use cube3::limits::{frame_interval, limits};
-use cube3::machine::{Machine, RunCounters};
 use cube3_channel::Reason;
 use cube3_dsb::BoardSpec;
 use cube3_dsb::golden::walk;
 use cube3_frame::FrameSetup;
 use cube3_host::{VolumeInfo, picture_setup};
 use cube3_machine::{Abc, Boards, Cone, ConeKind, GradientMethod, MachineSpec, RaySlots, Rays};
+use cube3_pipeline::{Machine, RunCounters};
 use cube3_scene::{Perspective, Scene, View};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -385,7 +385,7 @@ fn a_machine_that_its_links_limit_names_the_link() {
 #[test]
 #[ignore = "prints the book's table; a minute or two"]
 fn eight_boards_at_512() {
-    let preset = cube3::inputs::machine("cube3-512").unwrap();
+    let preset = cube3_inputs::machine("cube3-512").unwrap();
     let slope = |degrees: f64| degrees.to_radians().tan();
     let straight = |axis: usize| {
         let mut direction = [1e-6; 3];
@@ -410,7 +410,7 @@ fn eight_boards_at_512() {
         let counters = run(&machine, passes.clone());
         let per = |words: u64, tokens: u64| words as f64 / (8 * tokens) as f64;
         let rays = counters.ray_words;
-        let busiest = cube3::limits::busiest_link(&counters.links).unwrap();
+        let busiest = cube3_pipeline::links::busiest_link(&counters.links).unwrap();
         print!(
             "| {name} | {:.1} | {} | {:.1}, {:.1}, {:.1} | {} {}: {:.1} |",
             per(counters.bus.link_words, counters.beams),

@@ -1,7 +1,7 @@
 //! An eye in the volume: gradients over about a voxel however close the rays are, and no step where base planes join.
 
-use cube3::function::{CanonicalVolume, render};
 use cube3_frame::{BasePlane, FrameSetup, Geometry};
+use cube3_function::{CanonicalVolume, render};
 use cube3_host::{PictureFrames, VolumeInfo, picture_setup, warp_passes};
 use cube3_machine::MachineSpec;
 use cube3_reference::{ImageOrderOptions, image_order};
@@ -163,7 +163,8 @@ fn white_noise_around_the_eye_is_lighter_where_gradients_are_taken_over_a_voxel(
     let input = Input::noise();
     let scene = scene(45.0, 0.0, [32.0; 3], &[[0.0, 0.1], [65_535.0, 0.1]]);
     let mean = |pixels: &[[f64; 3]]| pixels.iter().map(|pixel| pixel[0]).sum::<f64>() / pixels.len() as f64;
-    let reference = mean(&image_order(&input.data, &scene, &ImageOrderOptions::default(), None).unwrap().pixels);
+    let reference =
+        mean(&image_order(&input.data, &scene, &ImageOrderOptions::default(), None).unwrap().picture.pixels);
     let part = |reach: u32| {
         let mut machine = MachineSpec::default();
         machine.abc.reach = reach;

@@ -1,12 +1,12 @@
 //! Perspective against closed forms, the parallel view, the symmetries of the cube, and the reference ray caster.
 
-use cube3::function::{CanonicalVolume, render};
-use cube3::inputs;
-use cube3::reference::Reference;
-use cube3::run::{RunOptions, Runs, run_frame};
+use cube3::{RunOptions, Runs};
 use cube3_frame::{BasePlane, Geometry};
+use cube3_function::{CanonicalVolume, render};
 use cube3_host::{PictureFrames, VolumeInfo, frame_setup, picture_setup, warp_passes};
+use cube3_inputs as inputs;
 use cube3_machine::{GradientMethod, MachineSpec, RayEnds, RaySlots, Rays};
+use cube3_method::Choice;
 use cube3_reference::{ImageOrderOptions, image_order};
 use cube3_scene::{Image, Layer, Light, Material, Perspective, Scene, View, VolumeSource};
 use cube3_tests::{SmallVolume, for_perspective, machines, scenes, volumes};
@@ -86,7 +86,7 @@ fn lit_the_far_picture_is_the_parallel_one_within_a_tolerance() {
 }
 
 fn compare_far_with_parallel(scene: Scene) {
-    let volume = inputs::volume(&head(48), &MachineSpec::default(), &ReadOptions::default(), false).unwrap();
+    let volume = inputs::load_volume(&head(48), &MachineSpec::default(), &ReadOptions::default(), false).unwrap();
     let mut machine = MachineSpec::default();
     machine.rays.slots = RaySlots::Padded;
     let far = Perspective { distance_voxel: Some(1e12), ..Perspective::new(1e-2) };
@@ -287,7 +287,7 @@ fn no_seam_where_three_base_planes_join() {
     assert_eq!(frames.setups.len(), 3);
     let bases = bases(&frames, words.dims, &words.words);
     let got = picture(&frames, &bases, words.spacing);
-    let reference = image_order(&volume, &scene, &ImageOrderOptions::default(), None).unwrap().pixels;
+    let reference = image_order(&volume, &scene, &ImageOrderOptions::default(), None).unwrap().picture.pixels;
     let side = side as usize;
     let axis: Vec<usize> = (0..side * side)
         .map(|i| {
@@ -328,12 +328,12 @@ fn the_runs_of_a_picture_of_several_base_planes_agree() {
     let scene = Scene { view: View::from_angles(40.0, 35.0), ..head(32) };
     let scene = with_eye(&scene, Perspective { distance_voxel: Some(30.0), ..Perspective::new(60.0) }, 96);
     let machine = MachineSpec::default();
-    let volume = inputs::volume(&scene, &machine, &ReadOptions::default(), false).unwrap();
+    let volume = inputs::load_volume(&scene, &machine, &ReadOptions::default(), false).unwrap();
     let run = |runs, reference| {
-        run_frame(&scene, &machine, &volume, &RunOptions { runs, reference, ..RunOptions::default() }).unwrap().report
+        cube3::run(&scene, &machine, &volume, &RunOptions { runs, reference, ..RunOptions::default() }).unwrap().report
     };
-    let both = run(Runs::Both, Reference::default());
-    let cycle = run(Runs::Cycle, Reference::None);
+    let both = run(Runs::Both, Some(Choice::of(&cube3_method::IMAGE_ORDER)));
+    let cycle = run(Runs::Cycle, None);
     assert_eq!(both.digest.base_plane, cycle.digest.base_plane);
     assert_eq!(both.digest.image, cycle.digest.image);
     assert_eq!(both.units, cycle.units);
@@ -342,8 +342,8 @@ fn the_runs_of_a_picture_of_several_base_planes_agree() {
     assert_eq!(passes.len(), 3);
     let gradient = if passes[0].back_spacing_voxel <= 2.0 { "26d" } else { "6d" };
     assert_eq!(passes[0].gradient.as_deref(), Some(gradient), "12 is not for rays that share columns");
-    let options = RunOptions { reference: Reference::True, ..RunOptions::default() };
-    let refused = run_frame(&scene, &machine, &volume, &options).unwrap_err().to_string();
+    let options = RunOptions { reference: Some(Choice::of(&cube3_method::TRUE)), ..RunOptions::default() };
+    let refused = cube3::run(&scene, &machine, &volume, &options).unwrap_err().to_string();
     assert!(refused.contains("image-order"), "{refused}");
 }
 
@@ -355,9 +355,9 @@ fn the_head_is_as_near_to_the_reference_as_in_parallel() {
         scene.view.perspective = perspective;
         scene.image = Image { width_px: 256, height_px: 256, ..Image::default() };
         let machine = MachineSpec::default();
-        let volume = inputs::volume(&scene, &machine, &ReadOptions::default(), false).unwrap();
+        let volume = inputs::load_volume(&scene, &machine, &ReadOptions::default(), false).unwrap();
         let options = RunOptions { runs: Runs::Function, ..RunOptions::default() };
-        let error = run_frame(&scene, &machine, &volume, &options).unwrap().report.error.unwrap();
+        let error = cube3::run(&scene, &machine, &volume, &options).unwrap().report.error.unwrap();
         error.footprint.error.unwrap().mean_relative
     };
     let (parallel, perspective) = (error(None), error(Some(Perspective::new(30.0))));
@@ -369,7 +369,7 @@ fn the_head_is_as_near_to_the_reference_as_in_parallel() {
 fn eyes_anywhere_see_finite_pictures() {
     let scene = head(24);
     let machine = MachineSpec::default();
-    let volume = inputs::volume(&scene, &machine, &ReadOptions::default(), false).unwrap();
+    let volume = inputs::load_volume(&scene, &machine, &ReadOptions::default(), false).unwrap();
     let words = &volume.words;
     let eyes = [
         [11.5, 11.5, 11.5],

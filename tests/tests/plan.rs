@@ -1,12 +1,12 @@
 //! The plan: whatever it leaves out changes no bit, and saves what its items say.
 
-use cube3::function::{CanonicalVolume, FunctionRun, render};
-use cube3::machine::Machine;
-use cube3::resources::{memory, operators};
 use cube3_frame::FrameSetup;
+use cube3_function::{CanonicalVolume, FunctionRun, render};
 use cube3_host::{PictureFrames, VolumeInfo, frame_setup, picture_setup};
 use cube3_machine::{MachineSpec, OperatorCounts, RaySlots, Rays, ShadingUnit};
+use cube3_pipeline::Machine;
 use cube3_plan::{Item, Plan, RULES, Rule, Rules, Savings};
+use cube3_resources::{memory, operators};
 use cube3_scene::{Cut, Material, Mode, Scene, View};
 use cube3_tests::{SmallVolume, for_perspective, from_eye, machines, perspectives, scenes, volumes};
 use proptest::prelude::*;

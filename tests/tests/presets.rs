@@ -1,11 +1,11 @@
 //! The machines to stand beside, each against the numbers that were published of it.
 
-use cube3::inputs::machine;
 use cube3::limits::{frame_interval, limits};
-use cube3::machine::Machine;
 use cube3_frame::FrameSetup;
 use cube3_host::{VolumeInfo, frame_setup, picture_setup};
+use cube3_inputs::machine;
 use cube3_machine::{Cfb, MachineSpec, MemoryType, PRESETS, RaySlots};
+use cube3_pipeline::Machine;
 use cube3_scene::{Perspective, Scene, View};
 
 fn setup(machine: &MachineSpec, n: usize, [du, dv]: [f64; 2]) -> FrameSetup {

@@ -1,7 +1,5 @@
 //! Recorded traffic is that of the cycle machine: what a unit's definition makes of its recorded lines is what the next unit got.
 
-use cube3::machine::Machine;
-use cube3::record::{RecordError, Run, Window, record};
 use cube3_abc::ShadedSamples;
 use cube3_abc::golden::{Local, classify_in, direction_index, lit, local_gradient, normalise, phong_from};
 use cube3_cone::Pixels;
@@ -11,9 +9,11 @@ use cube3_definition::Definition;
 use cube3_frame::{BeamPlace, FrameSetup, LinearFactor, Phong, PhongLight, Schedule, Shading};
 use cube3_host::picture_setup;
 use cube3_machine::{ConeOrder, GradientMethod, MachineSpec, RayEnds};
+use cube3_pipeline::Machine;
 use cube3_scene::{Perspective, Scene};
 use cube3_tests::{SmallVolume, for_perspective, from_eye, machines, perspectives, scenes, volumes};
 use cube3_trilin::RaySamples;
+use cube3_vectors::record::{Excerpt, RecordError, Run, record};
 use cube3_vectors::{Format, Reader, Recorder, Set, Sheet, Tables, Unit, Vectors, units};
 use cube3_word::Probe;
 use proptest::prelude::*;
@@ -77,13 +77,13 @@ fn tokens(machine: &MachineSpec, setups: &[FrameSetup], volume: &SmallVolume) ->
     }
 }
 
-const ALL: Window<'static> = Window { frame: 0, first: 0, count: usize::MAX, channel: "rays" };
+const ALL: Excerpt<'static> = Excerpt { frame: 0, first: 0, count: usize::MAX, channel: "rays" };
 
 /// A unit's recording of a frame; none where the frame does not use it, or its vectors cannot hold the traffic of a slot that more
 /// than three rays share or of a volume many times wider than the machine.
 fn recorded(run: &Run<'_>, unit: &dyn Unit, frame: usize) -> Option<Vectors> {
     let name = unit.sheet().name;
-    match record(run, unit, &Window { frame, ..ALL }) {
+    match record(run, unit, &Excerpt { frame, ..ALL }) {
         Ok(vectors) => Some(vectors),
         Err(RecordError::Idle { .. } | RecordError::Ends) => None,
         Err(RecordError::Value { .. }) if ["cone", "dsb"].contains(&name) => None,
@@ -392,7 +392,7 @@ proptest! {
         timing.run(&|_, _| {}).unwrap();
         let unit = of_name("channel");
         for reading in timing.counters().channels {
-            let vectors = record(&run, unit.as_ref(), &Window { channel: reading.name, ..ALL }).unwrap();
+            let vectors = record(&run, unit.as_ref(), &Excerpt { channel: reading.name, ..ALL }).unwrap();
             prop_assert_eq!(vectors.inputs.len() as u64, timing.now());
             let mut popped = 0;
             let (mut held, mut sum) = (0, 0);
@@ -410,7 +410,7 @@ proptest! {
             prop_assert_eq!(popped as u64, reading.counters.pops);
             // A later window begins with an empty channel, and goes on alike.
             let first = vectors.inputs.len() / 2;
-            if let Ok(later) = record(&run, unit.as_ref(), &Window { channel: reading.name, first, ..ALL }) {
+            if let Ok(later) = record(&run, unit.as_ref(), &Excerpt { channel: reading.name, first, ..ALL }) {
                 let from = vectors.inputs.len() - later.inputs.len();
                 prop_assert!(from >= first && vectors.outputs[from][3] == 0);
                 prop_assert_eq!(&later.inputs[..], &vectors.inputs[from..]);
@@ -460,7 +460,7 @@ proptest! {
             let (unit, frame) = (unit.as_ref(), setups.len() - 1);
             let Some(all) = recorded(&run, unit, frame).filter(|vectors| !vectors.set.sheet.clocked) else { continue };
             let end = (first + count).min(all.inputs.len());
-            match record(&run, unit, &Window { frame, first, count, ..ALL }) {
+            match record(&run, unit, &Excerpt { frame, first, count, ..ALL }) {
                 Ok(part) => prop_assert_eq!(&part.inputs[..], &all.inputs[first.min(end)..end]),
                 Err(RecordError::Beyond { found, .. }) => {
                     prop_assert!(found == all.inputs.len() && found <= first);
@@ -497,14 +497,14 @@ fn what_cannot_be_recorded_is_told() {
     let volume = SmallVolume { dims: [4; 3], spacing: [1.0; 3], words: vec![0; 64] };
     let setups = picture_setup(&Scene::default(), &machine, &volume.info(), true).unwrap().setups;
     let run = Run { machine: &machine, frames: &setups, dims: volume.dims, voxels: &volume.words };
-    let told = |unit: &str, window: Window<'_>| record(&run, of_name(unit).as_ref(), &window).unwrap_err().to_string();
-    let frame = told("trilin", Window { frame: 9, ..ALL });
+    let told = |unit: &str, window: Excerpt<'_>| record(&run, of_name(unit).as_ref(), &window).unwrap_err().to_string();
+    let frame = told("trilin", Excerpt { frame: 9, ..ALL });
     assert!(frame.contains("frame 9 was asked for"), "{frame}");
-    let channel = told("channel", Window { channel: "rings", ..ALL });
+    let channel = told("channel", Excerpt { channel: "rings", ..ALL });
     assert!(channel.contains("no channel \"rings\"; its channels are beams, aligned, rays"), "{channel}");
-    let beyond = told("leaf", Window { first: 64, ..ALL });
+    let beyond = told("leaf", Excerpt { first: 64, ..ALL });
     assert!(beyond.contains("leaf has 64 transactions in this frame, and the window starts at 64"), "{beyond}");
-    let late = told("channel", Window { first: 1 << 20, ..ALL });
+    let late = told("channel", Excerpt { first: 1 << 20, ..ALL });
     assert!(late.contains("the window starts at 1048576"), "{late}");
     let cue = record(&run, &Lines("cue"), &ALL).unwrap_err().to_string();
     assert!(cue.contains("carries nothing in this frame: it has no depth cue"), "{cue}");

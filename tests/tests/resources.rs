@@ -1,8 +1,6 @@
 //! What machines are made of, and what limits them.
 
 use cube3::limits::{frame_interval, limits};
-use cube3::machine::{Machine, RunCounters};
-use cube3::resources::resources;
 use cube3_frame::FrameSetup;
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::OperatorCounts;
@@ -10,7 +8,9 @@ use cube3_machine::{
     Abc, Boards, Bus, Cfb, ControllerKind, GradientMethod, HostLink, LookAheadFreed, LookAheadUnit, MachineSpec,
     MemoryType, RayEnds, RaySlots, Rays, Reuse, Trilin,
 };
+use cube3_pipeline::{Machine, RunCounters};
 use cube3_report::ResourcesReport;
+use cube3_resources::resources;
 use cube3_scene::{Scene, View};
 use cube3_word::{Rounding, Words};
 
@@ -105,7 +105,7 @@ fn memory_is_what_the_buffers_hold() {
 #[test]
 fn mini_blocks_have_a_reorder_buffer() {
     let n = 32_u64;
-    let preset = cube3::inputs::machine("em-cube").unwrap();
+    let preset = cube3_inputs::machine("em-cube").unwrap();
     let (report, counters) = count(&preset, n as usize);
     let reorder = counters.reorder.unwrap();
     let bits = report.memory.iter().find(|memory| memory.what == "reorder buffer").unwrap().bits;

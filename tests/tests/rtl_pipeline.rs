@@ -1,6 +1,5 @@
 //! The pipeline in SystemVerilog has the bits and the cycles of `Machine::cycle`, in two simulators.
 
-use cube3::rtl_frame::{self, RtlFrameError};
 use cube3_host::{VolumeInfo, frame_setup, picture_setup};
 use cube3_machine::{
     Abc, Boards, ChannelSize, Channels, Cone, ConeKind, GradientMethod, MachineSpec, RaySlots, Rays, ShadingUnit,
@@ -9,6 +8,7 @@ use cube3_scene::{Crop, DepthCue, Layer, Light, Mode, Perspective, Scene, Thresh
 use cube3_tests::SmallVolume;
 use cube3_tests::rtl::{self, Parameters};
 use cube3_tests::rtl_pipeline::{Case, Design, Effort, Frame, Simulator, lit, machine, narrow, noise, phantom, scene};
+use cube3_vectors::rtl_frame::{self, RtlFrameError};
 use cube3_word::Words;
 use std::process::Command;
 

@@ -4,11 +4,11 @@
 //! of its cells `$mul` are multipliers; `$add`, `$sub` and `$neg` adders; `$lt`, `$le`, `$gt`, `$ge` comparators, which are of
 //! magnitude, so `$eq` and `$ne` are none; `$div` and `$mod` dividers. Selections, shifts and memories are none of them.
 
-use cube3::resources::operators;
 use cube3_frame::FrameSetup;
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::OperatorCounts;
 use cube3_machine::{Abc, GradientMethod, MachineSpec, Reuse, ShadingUnit, Trilin};
+use cube3_resources::operators;
 use cube3_scene::{Material, Scene, View};
 use cube3_tests::rtl::{self, Parameters};
 use cube3_word::{Rounding, Words};

@@ -1,14 +1,14 @@
 //! Sections of ray slots: the picture is the same to the bit, a frame takes the cycles of its closed form, and planes on the chip are as
 //! wide as a section.
 
-use cube3::function::{CanonicalVolume, render};
 use cube3::limits::frame_interval;
-use cube3::machine::{Machine, RunCounters};
-use cube3::overlap::Overlap;
-use cube3::resources::resources;
 use cube3_frame::{FrameSetup, Schedule};
+use cube3_function::{CanonicalVolume, render};
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::{Abc, MachineSpec, RaySlots, Rays, Reuse, Trilin};
+use cube3_pipeline::{Machine, RunCounters};
+use cube3_resources::Overlap;
+use cube3_resources::resources;
 use cube3_scene::{Mode, Scene, View};
 use cube3_tests::{SmallVolume, machines, scenes, volumes};
 use proptest::prelude::*;

@@ -1,7 +1,7 @@
 //! Turning or mirroring the volume together with the view changes no bit of the base plane: all 48 symmetries of the cube.
 
-use cube3::function::{CanonicalVolume, render};
 use cube3_frame::BasePlane;
+use cube3_function::{CanonicalVolume, render};
 use cube3_host::frame_setup;
 use cube3_machine::MachineSpec;
 use cube3_scene::{Crop, Cut, Scene, View};

@@ -1,8 +1,8 @@
 //! Beams, ray slots and cycles: the counts of the geometry, and the closed form of a machine that never stalls.
 
-use cube3::machine::{Machine, RunCounters};
 use cube3_host::{Frame, VolumeInfo, frame_setup};
 use cube3_machine::{ChannelSize, Channels, MachineSpec, RaySlots, Rays};
+use cube3_pipeline::{Machine, RunCounters};
 use cube3_scene::{Scene, View};
 use proptest::prelude::*;
 

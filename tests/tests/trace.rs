@@ -1,18 +1,18 @@
 //! Traces: one stream of events that adds up to the counters, and three files that hold what the stream holds.
 
 use cube3::clocked::{Stops, TraceRequest};
-use cube3::inputs;
-use cube3::machine::{CHANNELS, Machine, RunCounters, UNITS};
-use cube3::reference::Reference;
-use cube3::run::{RunOptions, Runs, run_frame_with};
-use cube3::trace::{Events, Format, Recorder, Recording, Token, TokenKind, Window};
+use cube3::{RunOptions, Runs, run_frame};
 use cube3_channel::{Account, Activity, Reason};
 use cube3_frame::FrameSetup;
 use cube3_host::{VolumeInfo, frame_setup};
+use cube3_inputs as inputs;
 use cube3_machine::{Boards, Frames, MachineSpec};
+use cube3_pipeline::{CHANNELS, Machine, RunCounters, UNITS};
+use cube3_pipeline::{Token, TokenKind};
 use cube3_scene::{Scene, VolumeSource};
 use cube3_tests::waves::Waves;
 use cube3_tests::{SmallVolume, machines, scenes, volumes};
+use cube3_trace::{CycleWindow, Events, Recorder, Recording, TraceFormat};
 use cube3_volume::ReadOptions;
 use proptest::prelude::*;
 use std::collections::{BTreeMap, HashMap};
@@ -22,7 +22,7 @@ use std::path::Path;
 fn traced(machine: &MachineSpec, setups: &[FrameSetup], from: u64, to: u64) -> (Recording, RunCounters) {
     let mut run = Machine::timing(machine, setups.to_vec()).unwrap();
     run.run_until(from, &|_, _| {}).unwrap();
-    let mut recorder = Recorder::new(&run, Window { from, to }, machine.clock_hz);
+    let mut recorder = Recorder::new(&run, CycleWindow { from, to }, machine.clock_hz);
     recorder.run(&mut run, to, &|_, _| {}).unwrap();
     run.run(&|_, _| {}).unwrap();
     (recorder.finish(), run.counters())
@@ -107,7 +107,7 @@ proptest! {
         let [from, to] = window(plain.cycles, fractions);
         let (part, _) = traced(&machine, &setups, from, to);
         prop_assert_eq!(&events(&part)[..], &all[from as usize..to as usize]);
-        for format in [Format::Fst, Format::Kanata, Format::Perfetto] {
+        for format in [TraceFormat::Fst, TraceFormat::Kanata, TraceFormat::Perfetto] {
             let bytes = part.write(format).unwrap().len() as u64;
             prop_assert!(bytes <= 8192 + format.bytes_per_cycle() * (to - from), "{}: {} bytes for {} cycles", format.name(), bytes, to - from);
         }
@@ -117,7 +117,7 @@ proptest! {
     fn a_waveform_holds_every_event((machine, setups, fractions) in runs()) {
         let [from, to] = window(cycles(&machine, &setups).cycles, fractions);
         let (recording, _) = traced(&machine, &setups, from, to);
-        let waves = Waves::by_wellen(recording.write(Format::Fst).unwrap());
+        let waves = Waves::by_wellen(recording.write(TraceFormat::Fst).unwrap());
         prop_assert_eq!(waves.times.len() as u64, 2 * (to - from) + 1, "two edges a cycle, and the end");
         for (events, place) in events(&recording).iter().zip((0..).step_by(2)) {
             let seconds = waves.seconds(place);
@@ -146,7 +146,7 @@ proptest! {
     fn konata_shows_every_token_where_it_was((machine, setups, fractions) in runs()) {
         let [from, to] = window(cycles(&machine, &setups).cycles, fractions);
         let (recording, _) = traced(&machine, &setups, from, to);
-        let log = Log::read(&String::from_utf8(recording.write(Format::Kanata).unwrap()).unwrap());
+        let log = Log::read(&String::from_utf8(recording.write(TraceFormat::Kanata).unwrap()).unwrap());
         // What each token does, told by the stream of events.
         let mut entered: BTreeMap<(String, u64), String> = BTreeMap::new();
         let (mut stalls, mut retired) = (0, 0);
@@ -189,7 +189,7 @@ proptest! {
         let machine = MachineSpec { clock_hz: machine.clock_hz.min(1e9), ..machine };
         let [from, to] = window(cycles(&machine, &setups).cycles, fractions);
         let (recording, _) = traced(&machine, &setups, from, to);
-        let text = String::from_utf8(recording.write(Format::Perfetto).unwrap()).unwrap();
+        let text = String::from_utf8(recording.write(TraceFormat::Perfetto).unwrap()).unwrap();
         let trace: serde_json::Value = serde_json::from_str(&text).unwrap();
         let all = events(&recording);
         let trace = trace["traceEvents"].as_array().unwrap();
@@ -309,17 +309,17 @@ fn a_ray_whose_nodes_wait_on_links_is_not_there_yet() {
 
 #[test]
 fn windows_and_files_that_cannot_be_are_refused() {
-    let refused = |from, to, format| Window::new(from, to, format).unwrap_err().to_string();
-    assert!(refused(5, 5, Format::Fst).contains("no window of cycles"));
-    assert!(refused(6, 5, Format::Fst).contains("no window of cycles"));
-    for format in [Format::Fst, Format::Kanata, Format::Perfetto] {
-        let most = Format::LIMIT_BYTES / format.bytes_per_cycle();
-        assert!(Window::new(7, 7 + most, format).is_ok());
+    let refused = |from, to, format| CycleWindow::new(from, to, format).unwrap_err().to_string();
+    assert!(refused(5, 5, TraceFormat::Fst).contains("no window of cycles"));
+    assert!(refused(6, 5, TraceFormat::Fst).contains("no window of cycles"));
+    for format in [TraceFormat::Fst, TraceFormat::Kanata, TraceFormat::Perfetto] {
+        let most = TraceFormat::LIMIT_BYTES / format.bytes_per_cycle();
+        assert!(CycleWindow::new(7, 7 + most, format).is_ok());
         assert!(refused(7, 8 + most, format).contains(&format!("give {most} cycles at most")));
         assert!(refused(0, u64::MAX, format).contains("above the limit"));
     }
-    assert!(Format::of(Path::new("a.vcd")).unwrap_err().to_string().contains(".kanata"));
-    assert!(Format::of(Path::new("fst")).is_err());
+    assert!(TraceFormat::of(Path::new("a.vcd")).unwrap_err().to_string().contains(".kanata"));
+    assert!(TraceFormat::of(Path::new("fst")).is_err());
 }
 
 /// The run of `traces/small-machine.kanata`; `traces/README.md` tells how to write it again.
@@ -328,15 +328,19 @@ fn the_small_machine_has_the_trace_of_the_reference() {
     let traces = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../traces"));
     let machine = inputs::machine(traces.join("small-machine.toml").to_str().unwrap()).unwrap();
     let scene = Scene { volume: VolumeSource::from_phantom("head", 8), ..Scene::default() };
-    let volume = inputs::volume(&scene, &machine, &ReadOptions::default(), false).unwrap();
+    let volume = inputs::load_volume(&scene, &machine, &ReadOptions::default(), false).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let reference = std::fs::read_to_string(traces.join("small-machine.kanata")).unwrap();
     for runs in [Runs::Timing, Runs::Cycle] {
         let path = folder.path().join("trace.kanata");
-        let trace = TraceRequest { path: path.clone(), format: Format::Kanata, window: Window { from: 100, to: 140 } };
+        let trace = TraceRequest {
+            path: path.clone(),
+            format: TraceFormat::Kanata,
+            window: CycleWindow { from: 100, to: 140 },
+        };
         let stops = Stops { trace: Some(trace), ..Stops::default() };
-        let options = RunOptions { runs, reference: Reference::None, ..RunOptions::default() };
-        run_frame_with(&scene, &machine, &volume, &options, &stops).unwrap();
+        let options = RunOptions { runs, reference: None, ..RunOptions::default() };
+        run_frame(&scene, &machine, &volume, &options, &stops, &|_, _, _| {}).unwrap();
         assert_eq!(std::fs::read_to_string(path).unwrap(), reference, "{}", runs.name());
     }
     for word in ["blocked", "bank_conflict", "samples", "host"] {

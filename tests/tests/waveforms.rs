@@ -1,17 +1,17 @@
 //! Waveforms as people see them: GTKWave's own reader finds the same times and values as wellen, and the files for viewers show
 //! every variable once, in the group of its scope.
 
-use cube3::machine::Machine;
-use cube3::trace::{Recorder, Window};
 use cube3_channel::Activity;
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::MachineSpec;
+use cube3_pipeline::Machine;
 use cube3_scene::Scene;
 use cube3_tests::rtl;
 use cube3_tests::waves::{Shown, Waves, of_gtkwave, of_surfer};
+use cube3_trace::{CycleWindow, Recorder};
 use cube3_vectors::compare::Compared;
-use cube3_vectors::waveform::{Waveform, around_mismatch};
-use cube3_vectors::{Answer, Comparison, Format, Vectors, units};
+use cube3_vectors::{Answer, Comparison, Format, Vectors, around_mismatch, units};
+use cube3_waveform::Waveform;
 
 /// The trace of some cycles of a frame of a small volume.
 fn trace(clock_hz: f64, from: u64, to: u64) -> Waveform {
@@ -20,7 +20,7 @@ fn trace(clock_hz: f64, from: u64, to: u64) -> Waveform {
     let setup = frame_setup(&Scene::default(), &machine, &volume, true).unwrap().setup;
     let mut run = Machine::timing(&machine, vec![setup]).unwrap();
     run.run_until(from, &|_, _| {}).unwrap();
-    let mut recorder = Recorder::new(&run, Window { from, to }, clock_hz);
+    let mut recorder = Recorder::new(&run, CycleWindow { from, to }, clock_hz);
     assert!(!recorder.run(&mut run, to, &|_, _| {}).unwrap(), "the run is longer than the window");
     recorder.finish().waveform().unwrap()
 }
@@ -147,7 +147,7 @@ fn viewers_show_every_variable_of_a_trace_and_activities_by_name() {
             }
         }
     }
-    assert_eq!(kinds, cube3::machine::UNITS);
+    assert_eq!(kinds, cube3_pipeline::UNITS);
 }
 
 #[test]

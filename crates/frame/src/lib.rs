@@ -12,6 +12,7 @@ mod ends;
 mod fan;
 mod geometry;
 mod golden;
+mod overflows;
 mod perspective;
 mod registers;
 mod sample_bounds;
@@ -26,6 +27,7 @@ pub use ends::EndRegisters;
 pub use fan::{Fan, FanShape};
 pub use geometry::{DiscreteRay, Geometry};
 pub use golden::largest_offset;
+pub use overflows::Overflows;
 pub use perspective::{PLACE_BITS, PassShape, Perspective};
 pub use registers::{
     Classification, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, HalfSpace, Linear,

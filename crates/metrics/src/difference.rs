@@ -1,6 +1,7 @@
 //! The picture of where two pictures differ.
 
-use crate::{MetricsError, Picture};
+use crate::MetricsError;
+use cube3_picture::Picture;
 
 /// The factors that a difference picture may be magnified by: round to the eye, and no greater than
 /// 255, which makes one 8-bit level full white.
@@ -32,7 +33,7 @@ pub fn difference(a: &Picture, b: &Picture, factor: f64) -> Result<Picture, Metr
             })
         })
         .collect();
-    Picture::new(a.width, a.height, pixels)
+    Ok(Picture::new(a.width, a.height, pixels)?)
 }
 
 /// The factor to magnify a difference picture by: the largest of 1, 2, 5, 10, 20, 50, 100 and 200

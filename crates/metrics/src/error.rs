@@ -1,44 +1,13 @@
 //! What can be wrong with the input of a measurement.
 
+use cube3_picture::PictureError;
+
 /// Why a measurement was refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MetricsError {
-    /// A picture with no pixel has no error.
-    #[error("a picture needs at least one pixel, but this one is {width} x {height}")]
-    EmptyPicture {
-        /// Width in pixels.
-        width: usize,
-        /// Height in pixels.
-        height: usize,
-    },
-    /// The number of pixels does not fit in a machine word.
-    #[error("a picture of {width} x {height} pixels is too large to address")]
-    TooLarge {
-        /// Width in pixels.
-        width: usize,
-        /// Height in pixels.
-        height: usize,
-    },
-    /// The pixel data does not have width times height entries.
-    #[error("a picture of {width} x {height} pixels needs {expected} pixels, but {found} were given")]
-    WrongLength {
-        /// Width in pixels.
-        width: usize,
-        /// Height in pixels.
-        height: usize,
-        /// Width times height.
-        expected: usize,
-        /// The number of pixels given.
-        found: usize,
-    },
-    /// The two pictures have different sizes.
-    #[error("the pictures differ in size: {}x{} and {}x{}", .a[0], .a[1], .b[0], .b[1])]
-    SizeMismatch {
-        /// Width and height of the first picture.
-        a: [usize; 2],
-        /// Width and height of the second picture.
-        b: [usize; 2],
-    },
+    /// The pictures themselves.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
     /// The footprint mask does not have one bit for each pixel.
     #[error("the footprint has {found} bits, but the pictures have {expected} pixels")]
     MaskLength {
@@ -46,18 +15,6 @@ pub enum MetricsError {
         expected: usize,
         /// The number of bits in the mask.
         found: usize,
-    },
-    /// A colour is NaN or infinite.
-    #[error("channel {channel} of pixel ({x}, {y}) is {value}, and not a finite number")]
-    PixelNotFinite {
-        /// Column, from 0 at the left.
-        x: usize,
-        /// Row, from 0 at the top.
-        y: usize,
-        /// 0 for red, 1 for green, 2 for blue.
-        channel: usize,
-        /// What was found.
-        value: f64,
     },
     /// Two colours are so far apart that their difference is not a finite number.
     #[error("pixel ({x}, {y}) holds colours too far apart to subtract")]

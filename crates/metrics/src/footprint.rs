@@ -2,7 +2,8 @@
 
 use bitvec::vec::BitVec;
 
-use crate::{MetricsError, Picture};
+use crate::MetricsError;
+use cube3_picture::Picture;
 
 /// The pixels where either picture differs from the background, one bit each, row by row.
 ///

@@ -3,8 +3,9 @@
 use bitvec::slice::BitSlice;
 use serde::{Deserialize, Serialize};
 
+use crate::MetricsError;
 use crate::compensated::CompensatedSum;
-use crate::{MetricsError, Picture};
+use cube3_picture::Picture;
 
 /// A channel is off when it differs by more than this: one level of an 8-bit display.
 ///

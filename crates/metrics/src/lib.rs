@@ -1,7 +1,7 @@
 //! How far a picture is from its reference, how far a gradient is from the true normal, and which
 //! settings are worth their time.
 //!
-//! - [`compare`] measures two [`Picture`]s, over the whole image and over the object's footprint;
+//! - [`compare`] measures two [`Picture`](cube3_picture::Picture)s, over the whole image and over the object's footprint;
 //! - [`mean_angle_deg`] measures gradients;
 //! - [`difference`] makes the magnified difference picture;
 //! - [`front`] picks the points of a work-precision diagram that no other point beats.
@@ -16,7 +16,6 @@ mod error;
 mod footprint;
 mod front;
 mod image_error;
-mod picture;
 
 pub use angle::{AngleError, mean_angle_deg};
 pub use difference::{difference, suggested_factor};
@@ -24,4 +23,3 @@ pub use error::MetricsError;
 pub use footprint::footprint;
 pub use front::{WorkPrecision, front};
 pub use image_error::{ImageComparison, ImageError, OFF_THRESHOLD, compare};
-pub use picture::Picture;

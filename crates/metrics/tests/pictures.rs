@@ -1,9 +1,8 @@
 //! Image errors against closed forms.
 
 use bitvec::prelude::*;
-use cube3_metrics::{
-    ImageComparison, ImageError, MetricsError, Picture, compare, difference, footprint, suggested_factor,
-};
+use cube3_metrics::{ImageComparison, ImageError, MetricsError, compare, difference, footprint, suggested_factor};
+use cube3_picture::{Picture, PictureError};
 use proptest::prelude::*;
 
 const EQUAL: ImageError = ImageError { mean_relative: 0.0, rms: 0.0, max: 0.0, psnr_db: None, fraction_off: 0.0 };
@@ -120,7 +119,10 @@ fn a_picture_that_is_not_finite_is_named_by_its_pixel() {
                 difference(a, b, 1.0).unwrap_err(),
             ];
             for error in errors {
-                assert!(matches!(error, MetricsError::PixelNotFinite { x: 1, y: 2, channel: 2, .. }), "{error}");
+                assert!(
+                    matches!(error, MetricsError::Picture(PictureError::PixelNotFinite { x: 1, y: 2, channel: 2, .. })),
+                    "{error}"
+                );
             }
         }
     }
@@ -131,19 +133,22 @@ fn a_picture_that_is_not_finite_is_named_by_its_pixel() {
 #[test]
 fn sizes_must_agree() {
     let error = compare(&grey(2, 3, 0.0), &grey(3, 2, 0.0), None).unwrap_err();
-    assert_eq!(error, MetricsError::SizeMismatch { a: [2, 3], b: [3, 2] });
+    assert_eq!(error, PictureError::SizeMismatch { a: [2, 3], b: [3, 2] }.into());
     let error = compare(&grey(2, 3, 0.0), &grey(2, 3, 0.0), Some(&bitvec![1; 5])).unwrap_err();
     assert_eq!(error, MetricsError::MaskLength { expected: 6, found: 5 });
     let lying = Picture { width: 2, height: 3, pixels: Vec::new() };
-    assert!(matches!(compare(&lying, &lying, None), Err(MetricsError::WrongLength { expected: 6, found: 0, .. })));
+    assert!(matches!(
+        compare(&lying, &lying, None),
+        Err(MetricsError::Picture(PictureError::WrongLength { expected: 6, found: 0, .. }))
+    ));
 }
 
 #[test]
 fn a_picture_needs_pixels_that_can_be_counted() {
     let new = |width, height| Picture::new(width, height, Vec::new()).unwrap_err();
-    assert_eq!(new(0, 4), MetricsError::EmptyPicture { width: 0, height: 4 });
-    assert_eq!(new(usize::MAX, 2), MetricsError::TooLarge { width: usize::MAX, height: 2 });
-    assert!(matches!(new(2, 2), MetricsError::WrongLength { expected: 4, found: 0, .. }));
+    assert_eq!(new(0, 4), PictureError::EmptyPicture { width: 0, height: 4 });
+    assert_eq!(new(usize::MAX, 2), PictureError::TooLarge { width: usize::MAX, height: 2 });
+    assert!(matches!(new(2, 2), PictureError::WrongLength { expected: 4, found: 0, .. }));
 }
 
 #[test]

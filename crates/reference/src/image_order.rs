@@ -6,6 +6,7 @@ use crate::interpolate::cell;
 use crate::progress::RowCount;
 use crate::span::{Drawn, ON_FACE, margin};
 use crate::{Progress, RaycastError};
+use cube3_picture::Picture;
 use cube3_scene::{ImagePlane, Scene, over, resolve_lights};
 use cube3_volume::{Sample, Volume, with_samples};
 use glam::DVec3;
@@ -41,15 +42,11 @@ impl Default for ImageOrderOptions {
     }
 }
 
-/// A picture over its background.
+/// What the rays gave.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rendering {
-    /// Pixels in a row.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Red, green, blue, row-major from the top left.
-    pub pixels: Vec<[f64; 3]>,
+pub struct ImageRendering {
+    /// The picture over its background.
+    pub picture: Picture,
     /// Samples taken along the rays; those for gradients not counted.
     pub samples: u64,
 }
@@ -75,7 +72,7 @@ pub fn image_order(
     scene: &Scene,
     options: &ImageOrderOptions,
     progress: Option<Progress<'_>>,
-) -> Result<Rendering, RaycastError> {
+) -> Result<ImageRendering, RaycastError> {
     scene.validate()?;
     check_volume(volume, options.border)?;
     let (volume, scene) = thickened(volume, scene);
@@ -128,7 +125,7 @@ pub fn image_order(
         };
         pixels.par_chunks_mut(width).enumerate().map(cast).sum()
     });
-    Ok(Rendering { width, height, pixels, samples })
+    Ok(ImageRendering { picture: Picture { width, height, pixels }, samples })
 }
 
 /// The axis nearest to the view: the one along which its direction, in voxels, is largest; z before y before x.

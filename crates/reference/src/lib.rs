@@ -25,13 +25,15 @@ mod error;
 mod image_order;
 mod integrate;
 mod interpolate;
+mod method;
 mod progress;
 mod span;
 
 pub use check::{check_volume, thickened};
 pub use error::RaycastError;
-pub use image_order::{ImageOrderOptions, Rendering, image_order};
+pub use image_order::{ImageOrderOptions, ImageRendering, image_order};
 pub use integrate::{Integrator, Probe, Ray, StepWeights};
 pub use interpolate::{cell, lerp};
+pub use method::{IMAGE_ORDER, STEP};
 pub use progress::{Progress, RowCount};
 pub use span::{Drawn, ON_FACE};

@@ -16,7 +16,7 @@ fn the_smallest_volumes_are_rendered() {
             for mode in Mode::ALL {
                 let scene = Scene { mode, image: one_voxel_a_pixel(21, 21), ..scene_along(direction) };
                 let picture = image_order(&volume, &scene, &ImageOrderOptions::default(), None).unwrap();
-                assert_sane(picture.pixels.iter().copied().flatten());
+                assert_sane(picture.picture.pixels.iter().copied().flatten());
             }
         }
     }
@@ -26,7 +26,7 @@ fn the_smallest_volumes_are_rendered() {
     let scene = Scene { view: ahead, image: one_voxel_a_pixel(3, 3), ..Scene::default() };
     let picture = image_order(&volume, &scene, &ImageOrderOptions::default(), None).unwrap();
     assert_eq!(picture.samples, 2);
-    assert!(picture.pixels[4][0] > 0.0 && picture.pixels[3] == [0.0; 3]);
+    assert!(picture.picture.pixels[4][0] > 0.0 && picture.picture.pixels[3] == [0.0; 3]);
 }
 
 #[test]
@@ -35,7 +35,7 @@ fn a_line_of_voxels_is_seen_along_it_and_across() {
     let seen = |direction: [f64; 3]| {
         let scene = Scene { image: one_voxel_a_pixel(11, 11), mode: Mode::Maximum, ..scene_along(direction) };
         let picture = image_order(&volume, &scene, &ImageOrderOptions::default(), None).unwrap();
-        (picture.samples, picture.pixels.iter().filter(|pixel| pixel[0] > 0.0).count())
+        (picture.samples, picture.picture.pixels.iter().filter(|pixel| pixel[0] > 0.0).count())
     };
     assert_eq!(seen([0.0, 0.0, 1.0]), (9, 1));
     // Voxels of 100 and more are seen, 80 is clear: four of them. Each is one thick.
@@ -50,7 +50,7 @@ fn nothing_is_nothing_and_full_is_full() {
         for mode in Mode::ALL {
             let clear = Scene { mode, transfer: opacity(0.0), background: [0.2, 0.4, 0.6], ..scene_along(direction) };
             let picture = image_order(&volume, &clear, &ImageOrderOptions::default(), None).unwrap();
-            assert!(picture.pixels.iter().all(|pixel| *pixel == clear.background), "{mode}");
+            assert!(picture.picture.pixels.iter().all(|pixel| *pixel == clear.background), "{mode}");
         }
         // Opacity 1 at the first sample: one sample a ray, and exactly the first one's colour at any step.
         let full = Scene { transfer: opacity(1.0), ..scene_along(direction) };
@@ -58,8 +58,8 @@ fn nothing_is_nothing_and_full_is_full() {
         for step_voxel in [1e-3, 0.3, 1.0, 7.0] {
             let options = ImageOrderOptions { step_voxel, ..ImageOrderOptions::default() };
             let [full, first] = [&full, &first].map(|scene| image_order(&volume, scene, &options, None).unwrap());
-            assert_eq!(full.pixels, first.pixels);
-            assert!(full.samples <= (full.width * full.height) as u64, "the ray stops at once");
+            assert_eq!(full.picture.pixels, first.picture.pixels);
+            assert!(full.samples <= (full.picture.width * full.picture.height) as u64, "the ray stops at once");
         }
     }
 }
@@ -75,7 +75,7 @@ fn spacings_of_one_to_a_thousand_are_rendered() {
             scene.image.height_px = 25;
             let options = ImageOrderOptions { step_voxel: 2.0, ..ImageOrderOptions::default() };
             let picture = image_order(&volume, &scene, &options, None).unwrap();
-            assert_sane(picture.pixels.iter().copied().flatten());
+            assert_sane(picture.picture.pixels.iter().copied().flatten());
             assert!(picture.samples > 0);
         }
     }
@@ -96,7 +96,7 @@ fn values_at_the_limits_of_their_type_are_rendered() {
         for transfer in [Transfer::default(), Transfer { opacity: vec![[0.0, 0.5]], ..Transfer::default() }] {
             let scene = Scene { transfer, ..scene.clone() };
             let picture = image_order(&volume, &scene, &ImageOrderOptions::default(), None).unwrap();
-            assert_sane(picture.pixels.into_iter().flatten());
+            assert_sane(picture.picture.pixels.into_iter().flatten());
         }
     }
 }

@@ -27,7 +27,7 @@ fn the_48_symmetries_of_the_cube_hold_in_perspective() {
             image_order(&volume, &scene, &ImageOrderOptions::default(), None).unwrap()
         };
         let first = render(&Turn { axis: [0, 1, 2], reversed: [false; 3] });
-        let shown = first.pixels.iter().filter(|pixel| pixel[0] > 0.1).count();
+        let shown = first.picture.pixels.iter().filter(|pixel| pixel[0] > 0.1).count();
         assert!(shown > 40, "{shown}");
         for turn in all_turns() {
             let mut turned = render(&turn);
@@ -35,10 +35,10 @@ fn the_48_symmetries_of_the_cube_hold_in_perspective() {
             let swapped = [[0, 2, 1], [1, 0, 2], [2, 1, 0]].contains(&turn.axis);
             if odd != swapped {
                 // A mirror image of the volume has a mirror image for a picture.
-                turned.pixels.chunks_mut(24).for_each(<[_]>::reverse);
+                turned.picture.pixels.chunks_mut(24).for_each(<[_]>::reverse);
             }
             assert_eq!(turned.samples, first.samples);
-            let error = largest_difference(&turned.pixels, &first.pixels);
+            let error = largest_difference(&turned.picture.pixels, &first.picture.pixels);
             assert!(error < 1e-11, "{:?} {:?}: {error:e}", turn.axis, turn.reversed);
         }
     }
@@ -67,5 +67,5 @@ fn progress_counts_every_row() {
         most.fetch_max(done, Ordering::Relaxed);
     };
     let picture = image_order(&volume, &scene, &ImageOrderOptions::default(), Some(&report)).unwrap();
-    assert_eq!((calls.into_inner(), most.into_inner()), (picture.height as u64, 512));
+    assert_eq!((calls.into_inner(), most.into_inner()), (picture.picture.height as u64, 512));
 }

@@ -66,7 +66,7 @@ proptest! {
         let plane = ImagePlane::new(&scene, &scene.view.frame().unwrap(), dims, spacing);
         let smallest = spacing.into_iter().fold(f64::INFINITY, f64::min);
         let mut compared = 0;
-        for (i, pixel) in picture.pixels.iter().enumerate() {
+        for (i, pixel) in picture.picture.pixels.iter().enumerate() {
             let (origin, ray) = plane.ray((i % 12) as f64, (i / 12) as f64);
             let direction = ray.normalize() * smallest / DVec3::from(spacing);
             let start = if eye.is_some() { 0.0 } else { f64::NEG_INFINITY };
@@ -90,7 +90,7 @@ proptest! {
         scene.image = Image { width_px: 14, height_px: 14, pixel_size_voxel: Some(0.61) };
         let of = |volume: &Volume| image_order(volume, &scene, &ImageOrderOptions { step_voxel: 0.37, ..Default::default() }, None).unwrap();
         let (right, left) = (of(&volume), of(&mirrored));
-        for (right, left) in right.pixels.chunks(14).zip(left.pixels.chunks(14)) {
+        for (right, left) in right.picture.pixels.chunks(14).zip(left.picture.pixels.chunks(14)) {
             let turned: Vec<[f64; 3]> = left.iter().rev().copied().collect();
             prop_assert_eq!(right, turned.as_slice());
         }
@@ -109,7 +109,7 @@ fn labels_are_as_thick_as_their_voxels() {
         // Steps that divide a voxel, from its one face to the other.
         for step_voxel in [0.5, 0.25] {
             let options = ImageOrderOptions { step_voxel, ..ImageOrderOptions::default() };
-            let got = image_order(&volume, &scene, &options, None).unwrap().pixels[0][0];
+            let got = image_order(&volume, &scene, &options, None).unwrap().picture.pixels[0][0];
             // The trapezoid rule at the two faces of the label: half a step at the volume's own face.
             let faces = if planes == along { 0.0 } else { 0.5 * step_voxel };
             let right = 1.0 - 0.7_f64.powf(planes as f64 - faces);

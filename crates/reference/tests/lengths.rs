@@ -12,7 +12,7 @@ use proptest::prelude::*;
 
 fn middle(volume: &Volume, scene: &Scene, step_voxel: f64) -> f64 {
     let options = ImageOrderOptions { step_voxel, ..ImageOrderOptions::default() };
-    image_order(volume, scene, &options, None).unwrap().pixels[0][0]
+    image_order(volume, scene, &options, None).unwrap().picture.pixels[0][0]
 }
 
 #[test]
@@ -38,7 +38,7 @@ fn a_homogeneous_slab_has_its_closed_form_whatever_the_step() {
             assert!(picture.samples == samples || alpha > 0.5 && picture.samples < samples);
             // The length is that of the box of voxel centres: 1 − e^(−τ), τ = density · 32.
             let expected = -(-density * 32.0).exp_m1();
-            let got = picture.pixels[0][0];
+            let got = picture.picture.pixels[0][0];
             assert!(
                 (got - expected).abs() < 1e-12 * expected,
                 "alpha {alpha}, step {step_voxel}: {got}, not {expected}"
@@ -52,7 +52,7 @@ fn without_correction_every_step_has_the_opacity_of_a_unit_length() {
     let (volume, mut scene) = (constant([3, 9, 3]), fog(0.25));
     scene.transfer.opacity_correction = false;
     let options = ImageOrderOptions { step_voxel: 0.5, ..ImageOrderOptions::default() };
-    let got = image_order(&volume, &scene, &options, None).unwrap().pixels[0][0];
+    let got = image_order(&volume, &scene, &options, None).unwrap().picture.pixels[0][0];
     assert!((got - (1.0 - 0.75_f64.powi(16))).abs() < 1e-14);
 }
 
@@ -80,7 +80,8 @@ fn finer_steps_of_image_order_converge() {
         image_order(&volume, &scene, &options, None).unwrap()
     };
     let finest = picture(1.0 / 64.0);
-    let errors = [2.0, 1.0, 0.5, 0.25].map(|step| largest_difference(&picture(step).pixels, &finest.pixels));
+    let errors =
+        [2.0, 1.0, 0.5, 0.25].map(|step| largest_difference(&picture(step).picture.pixels, &finest.picture.pixels));
     println!("{errors:.6?}");
     assert!(errors.windows(2).all(|pair| pair[0] > 2.0 * pair[1]), "{errors:?}");
     assert!(errors[2] > 3.5 * errors[3], "of the second order: {errors:?}");
@@ -135,10 +136,10 @@ fn some_of_the_pixels_are_those_of_the_whole_picture() {
     let scene = Scene { view: View::from_angles(30.0, 20.0), image, ..Scene::default() };
     let whole = image_order(&volume, &scene, &ImageOrderOptions::default(), None).unwrap();
     let some = image_order(&volume, &scene, &ImageOrderOptions { every: 4, ..Default::default() }, None).unwrap();
-    assert_eq!((some.width, some.height), (4, 3));
+    assert_eq!((some.picture.width, some.picture.height), (4, 3));
     let expected: Vec<_> = (0..3).flat_map(|row| (0..4).map(move |column| row * 4 * 14 + column * 4)).collect();
-    assert!(expected.iter().zip(&some.pixels).all(|(&at, pixel)| whole.pixels[at] == *pixel));
-    assert!(some.pixels.iter().any(|pixel| *pixel != scene.background));
+    assert!(expected.iter().zip(&some.picture.pixels).all(|(&at, pixel)| whole.picture.pixels[at] == *pixel));
+    assert!(some.picture.pixels.iter().any(|pixel| *pixel != scene.background));
 }
 
 proptest! {
@@ -175,7 +176,7 @@ proptest! {
             let span = stretch(&thick, drawn.dims, origin, along.normalize(), range);
             [opacity(span.map_or(0.0, |[enter, leave]| leave - enter))]
         }).collect();
-        let got: Vec<[f64; 1]> = got.pixels.iter().map(|pixel| [pixel[0]]).collect();
+        let got: Vec<[f64; 1]> = got.picture.pixels.iter().map(|pixel| [pixel[0]]).collect();
         prop_assert!(largest_difference(&got, &expected) < 1e-7, "{got:?}, not {expected:?}");
     }
 }

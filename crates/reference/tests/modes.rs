@@ -102,9 +102,9 @@ fn every_mode_in_image_order_is_its_definition() {
                     expected.push(over(pixel, scene.background));
                 }
             }
-            let error = largest_difference(&got.pixels, &expected);
+            let error = largest_difference(&got.picture.pixels, &expected);
             assert!(error < 1e-9, "{}, step {step_voxel}, {:?}: {error}", scene.mode, scene.view.perspective);
-            assert!(got.pixels.iter().any(|pixel| *pixel != scene.background), "{} shows nothing", scene.mode);
+            assert!(got.picture.pixels.iter().any(|pixel| *pixel != scene.background), "{} shows nothing", scene.mode);
         }
     }
 }
@@ -124,7 +124,7 @@ fn the_front_sample_wins_a_tie() {
         };
         let expected = 1.0 - depth / 7.0;
         let picture = image_order(&volume, &scene, &ImageOrderOptions::default(), None).unwrap();
-        assert!((picture.pixels[0][0] - expected).abs() < 1e-15, "{mode} {yaw_deg}");
+        assert!((picture.picture.pixels[0][0] - expected).abs() < 1e-15, "{mode} {yaw_deg}");
     }
 }
 
@@ -135,7 +135,7 @@ fn early_termination_is_within_its_bound_and_saves_samples() {
     let all = ImageOrderOptions { step_voxel: 0.5, ..ImageOrderOptions::default() };
     let early = ImageOrderOptions { early_termination: true, ..all };
     let [all, early] = [all, early].map(|options| image_order(&volume, &scene, &options, None).unwrap());
-    assert!(largest_difference(&all.pixels, &early.pixels) < 2_f64.powi(-20));
+    assert!(largest_difference(&all.picture.pixels, &early.picture.pixels) < 2_f64.powi(-20));
     assert!(early.samples < all.samples, "{} of {}", early.samples, all.samples);
-    assert_ne!(all.pixels, early.pixels);
+    assert_ne!(all.picture.pixels, early.picture.pixels);
 }

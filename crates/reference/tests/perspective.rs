@@ -3,7 +3,7 @@
 mod common;
 
 use common::{affine, largest_difference, noise};
-use cube3_reference::{ImageOrderOptions, Rendering, image_order};
+use cube3_reference::{ImageOrderOptions, ImageRendering, image_order};
 use cube3_scene::{
     Cut, DepthCue, Image, ImagePlane, Light, Material, Mode, Perspective, Scene, Transfer, View, corrected_opacity,
     unit_vector,
@@ -28,7 +28,7 @@ fn from_eye(field_of_view_deg: f64, eye: [f64; 3]) -> Perspective {
     Perspective { eye_voxel: Some(eye), ..Perspective::new(field_of_view_deg) }
 }
 
-fn render(volume: &Volume, scene: &Scene, step_voxel: f64) -> Rendering {
+fn render(volume: &Volume, scene: &Scene, step_voxel: f64) -> ImageRendering {
     let options = ImageOrderOptions { step_voxel, ..ImageOrderOptions::default() };
     image_order(volume, scene, &options, None).unwrap()
 }
@@ -89,11 +89,11 @@ fn from_far_away_the_picture_is_the_parallel_one() {
                 parallel.image.pixel_size_voxel = Some(distance * narrowest / f64::from(height_px));
             }
             let expected = render(&volume, &parallel, 0.7);
-            let shown = expected.pixels.iter().filter(|pixel| pixel[0] > 0.1).count();
+            let shown = expected.picture.pixels.iter().filter(|pixel| pixel[0] > 0.1).count();
             assert!(shown > 30 || mode == Mode::Minimum, "{mode} shows {shown}");
             let got = render(&volume, &from_distance(&parallel, distance), 0.7);
             assert_eq!(got.samples, expected.samples, "{mode} from {distance}");
-            let error = largest_difference(&got.pixels, &expected.pixels);
+            let error = largest_difference(&got.picture.pixels, &expected.picture.pixels);
             assert!(error < tolerance, "{mode} from {distance}: {error:e}");
         }
     }
@@ -113,12 +113,12 @@ fn at_every_distance_the_middle_pixel_is_the_parallel_one_s() {
             seen.view.perspective = Some(Perspective { distance_voxel: Some(distance), ..Perspective::new(0.001) });
             let got = render(&volume, &seen, 0.7);
             assert_eq!(got.samples, expected.samples);
-            let error = largest_difference(&got.pixels, &expected.pixels);
+            let error = largest_difference(&got.picture.pixels, &expected.picture.pixels);
             assert!(error < 1e-8, "{mode} from {distance}: {error:e}");
             // Given as a place, the eye has the digits that a coordinate of its size has.
             let eye = (centre - along * distance * 0.9) / DVec3::from(volume.spacing);
             seen.view.perspective = Some(from_eye(0.001, eye.to_array()));
-            let error = largest_difference(&render(&volume, &seen, 0.7).pixels, &expected.pixels);
+            let error = largest_difference(&render(&volume, &seen, 0.7).picture.pixels, &expected.picture.pixels);
             assert!(error < 1e-8 + 1e-15 * distance, "{mode} from {distance}: {error:e}");
         }
     }
@@ -130,7 +130,7 @@ fn twice_the_distance_is_half_as_far_from_the_parallel_picture() {
     let expected = render(&volume, &parallel, 0.1);
     let errors = [1e3, 2e3, 4e3, 8e3].map(|distance| {
         let got = render(&volume, &from_distance(&parallel, distance), 0.1);
-        largest_difference(&got.pixels, &expected.pixels)
+        largest_difference(&got.picture.pixels, &expected.picture.pixels)
     });
     for pair in errors.windows(2) {
         assert!((1.8..2.2).contains(&(pair[0] / pair[1])), "{errors:?}");
@@ -156,7 +156,7 @@ fn a_sphere_is_as_large_as_its_closed_form_says() {
         let tangent = f64::tan((radius / distance).asin());
         let expected = tangent / (field_of_view_deg / 2.0).to_radians().tan() * 100.5;
         assert!(expected > 20.0 && expected < 100.0);
-        let lit = |column: usize, row: usize| picture.pixels[row * 301 + column][0] > 0.5;
+        let lit = |column: usize, row: usize| picture.picture.pixels[row * 301 + column][0] > 0.5;
         let width = (0..301).filter(|&column| lit(column, 100)).count() as f64;
         let height = (0..201).filter(|&row| lit(150, row)).count() as f64;
         for across in [width, height] {
@@ -181,7 +181,7 @@ fn a_homogeneous_cube_around_the_eye_has_the_depth_of_each_chord() {
             ..scene(view, from_eye(field_of_view_deg, eye), [40, 30])
         };
         let picture = render(&volume, &seen, step);
-        for (pixel, ray) in picture.pixels.iter().zip(rays(&volume, &seen)) {
+        for (pixel, ray) in picture.picture.pixels.iter().zip(rays(&volume, &seen)) {
             let chord = (0..3)
                 .map(|i| (if ray[i] > 0.0 { 32.0 - eye[i] } else { -eye[i] }) / ray[i])
                 .fold(f64::INFINITY, f64::min);
@@ -210,10 +210,10 @@ fn nothing_behind_the_eye_is_seen() {
             for mode in Mode::ALL {
                 let looking = |view| Scene { mode, ..scene(view, from_eye(field_of_view_deg, eye), [21, 21]) };
                 let away = render(&volume, &looking(ahead()), 0.5);
-                assert!(away.pixels.iter().all(|pixel| *pixel == [0.0; 3]), "{mode} from {eye:?}");
+                assert!(away.picture.pixels.iter().all(|pixel| *pixel == [0.0; 3]), "{mode} from {eye:?}");
                 assert_eq!(away, render(&noisy, &looking(ahead()), 0.5));
                 let towards = render(&volume, &looking(View::from_angles(180.0, 0.0)), 0.5);
-                let seen = towards.pixels.iter().any(|pixel| pixel[0] > 0.1);
+                let seen = towards.picture.pixels.iter().any(|pixel| pixel[0] > 0.1);
                 // The smallest value is the clear one in front of the block.
                 assert_eq!(seen, mode != Mode::Minimum, "{mode} from {eye:?}");
             }
@@ -232,7 +232,7 @@ fn light_from_the_eye_shines_along_each_ray() {
         let mut seen = scene(ahead(), from_eye(80.0, [20.0, 2.0, 20.0]), [31, 31]);
         (seen.mode, seen.transfer, seen.lights) = (Mode::FirstOpaque, transfer.clone(), lights);
         let picture = render(&volume, &seen, 0.1);
-        for (pixel, ray) in picture.pixels.iter().zip(rays(&volume, &seen)) {
+        for (pixel, ray) in picture.picture.pixels.iter().zip(rays(&volume, &seen)) {
             let normal = DVec3::NEG_Y;
             let mut expected = [0.1; 3];
             for light in &seen.lights {
@@ -260,7 +260,7 @@ fn a_cue_is_of_depth_along_the_view_and_not_of_distance() {
         ..scene(ahead(), from_eye(80.0, [20.0, -4.0, 20.0]), [31, 31])
     };
     let step = 0.01;
-    for pixel in render(&volume, &seen, step).pixels {
+    for pixel in render(&volume, &seen, step).picture.pixels {
         assert!((0.75 - step / 40.0..=0.75).contains(&pixel[0]), "{pixel:?}");
     }
 }
@@ -278,7 +278,7 @@ fn in_a_weighted_sum_every_ray_across_the_planes_sees_as_much() {
         };
         let picture = render(&volume, &seen, step);
         let mut through = 0;
-        for (pixel, ray) in picture.pixels.iter().zip(rays(&volume, &seen)) {
+        for (pixel, ray) in picture.picture.pixels.iter().zip(rays(&volume, &seen)) {
             let eye = DVec3::from(perspective.eye_voxel.unwrap());
             let inside = |y: f64| {
                 let at = eye + ray * ((y - eye.y) / ray.y);
@@ -328,8 +328,8 @@ fn eyes_anywhere_give_a_picture() {
                         ..scene(view.clone(), perspective, [7, 5])
                     };
                     let picture = render(volume, &seen, 1.3);
-                    assert_eq!(picture.pixels.len(), 35);
-                    let sane = picture.pixels.iter().flatten().all(|c| (0.0..=1.0 + 1e-12).contains(c));
+                    assert_eq!(picture.picture.pixels.len(), 35);
+                    let sane = picture.picture.pixels.iter().flatten().all(|c| (0.0..=1.0 + 1e-12).contains(c));
                     assert!(sane, "{perspective:?}, {mode}");
                 }
             }
@@ -372,7 +372,7 @@ fn a_wider_picture_of_the_same_field_of_view_shows_the_same_in_its_middle() {
         render(&volume, &seen, 0.5)
     });
     for row in 0..21 {
-        assert_eq!(narrow.pixels[row * 21..][..21], wide.pixels[row * 35 + 7..][..21]);
+        assert_eq!(narrow.picture.pixels[row * 21..][..21], wide.picture.pixels[row * 35 + 7..][..21]);
     }
 }
 
@@ -383,7 +383,7 @@ fn thin_and_full_opacity_are_the_eyes_too() {
     let full = Scene { transfer: opacity(&[[0.0, 1.0]]), ..scene(ahead(), perspective, [15, 15]) };
     let first = render(&volume, &Scene { mode: Mode::FirstOpaque, ..full.clone() }, 0.5);
     let full = render(&volume, &full, 0.5);
-    assert_eq!((full.samples, full.pixels), (15 * 15, first.pixels));
+    assert_eq!((full.samples, full.picture.pixels), (15 * 15, first.picture.pixels));
     // A single voxel is one thick; straight ahead of its centre there is half of it.
     let voxel = Volume::from_fn([1; 3], [1.0; 3], |_, _, _| 200_u8).unwrap();
     let thin = Scene {
@@ -392,7 +392,7 @@ fn thin_and_full_opacity_are_the_eyes_too() {
         ..scene(ahead(), from_eye(60.0, [0.0; 3]), [3, 3])
     };
     for step in [0.1, 0.2, 0.5, 7.0] {
-        let got = render(&voxel, &thin, step).pixels[4][0];
+        let got = render(&voxel, &thin, step).picture.pixels[4][0];
         assert!((got - corrected_opacity(0.3, 0.5)).abs() < 1e-15, "{got} at steps of {step}");
     }
 }

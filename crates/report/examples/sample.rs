@@ -6,7 +6,7 @@ mod sample;
 use std::error::Error;
 use std::path::PathBuf;
 
-use cube3_metrics::Picture;
+use cube3_picture::Picture;
 use cube3_report::{Figure, html, png_rgb8, table, to_json, to_rgb8};
 
 const SIZE: usize = 160;
@@ -46,5 +46,5 @@ fn ball(turn: f64) -> Result<Picture, cube3_metrics::MetricsError> {
         let light = (0.1 + 0.6 * depth.sqrt() - (0.5 + turn) * x - 0.4 * y).clamp(0.05, 1.0);
         [light, 0.85 * light, 0.7 * light]
     };
-    Picture::new(SIZE, SIZE, (0..SIZE * SIZE).map(at).collect())
+    Ok(Picture::new(SIZE, SIZE, (0..SIZE * SIZE).map(at).collect())?)
 }

@@ -9,6 +9,7 @@
 //!                  └─► html  ◄── png_rgb8    report.html, one page that needs nothing else
 //! ```
 
+mod adapters;
 mod bars;
 mod check;
 mod digest;
@@ -27,7 +28,9 @@ mod savings;
 mod sequence;
 mod shares;
 mod table;
+mod topology;
 
+pub use adapters::{axes_report, channel_reports, left_out, traffic_report, unit_reports, view_report};
 pub use digest::sha256_hex;
 pub use error::ReportError;
 pub use html::{Figure, html};
@@ -48,3 +51,4 @@ pub use run_report::{
 pub use savings::SavingsReport;
 pub use sequence::{AcquisitionReport, FrameReport, SequenceReport};
 pub use table::table;
+pub use topology::Drawing;

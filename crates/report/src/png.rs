@@ -1,6 +1,6 @@
 //! Pictures as 8-bit PNG files.
 
-use cube3_metrics::Picture;
+use cube3_picture::Picture;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 

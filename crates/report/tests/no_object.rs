@@ -2,7 +2,8 @@
 
 mod sample;
 
-use cube3_metrics::{Picture, compare, footprint};
+use cube3_metrics::{compare, footprint};
+use cube3_picture::Picture;
 use cube3_report::{ErrorReport, FrameReport, NO_OBJECT, RunReport, from_json, html, table, to_json};
 use serde_json::Value;
 

@@ -1,6 +1,6 @@
 //! PNG files come back as they went.
 
-use cube3_metrics::Picture;
+use cube3_picture::Picture;
 use cube3_report::{ReportError, png_rgb8, to_rgb8};
 use proptest::prelude::*;
 

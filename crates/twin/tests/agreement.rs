@@ -18,8 +18,8 @@ fn disagreement(n: usize, mode: Mode, step_voxel: f64) -> f64 {
     let warped = base.warp(&geometry, &plane, volume.spacing, scene.background);
     let options = ImageOrderOptions { step_voxel, ..ImageOrderOptions::default() };
     let reference = image_order(&volume, &scene, &options, None).unwrap();
-    assert!(reference.pixels.iter().any(|pixel| pixel[0] > 0.03), "{mode}: the picture shows something");
-    largest_difference(&warped, &reference.pixels)
+    assert!(reference.picture.pixels.iter().any(|pixel| pixel[0] > 0.03), "{mode}: the picture shows something");
+    largest_difference(&warped, &reference.picture.pixels)
 }
 
 #[test]

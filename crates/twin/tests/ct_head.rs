@@ -55,7 +55,7 @@ fn errors(volume: &Volume, yaw_deg: f64) -> [f64; 3] {
     let view = View::from_angles(-yaw_deg, -7.0);
     let scene = Scene { view: view.clone(), image: one_voxel_a_pixel(300, 300), ..Scene::default() };
     let options = DiscreteOptions::default();
-    let reference = image_order(volume, &scene, &ImageOrderOptions::default(), None).unwrap().pixels;
+    let reference = image_order(volume, &scene, &ImageOrderOptions::default(), None).unwrap().picture.pixels;
     let plane = ImagePlane::new(&scene, &view.frame().unwrap(), volume.dims, volume.spacing);
 
     let sample_floor = geometry(volume, &view, TemplateRule::SampleFloor);

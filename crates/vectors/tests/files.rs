@@ -1,7 +1,7 @@
 //! Vector files and answers: what is written is read again, and what is wrong is told.
 
+use cube3_vectors::around_mismatch;
 use cube3_vectors::compare::{Compared, explain};
-use cube3_vectors::waveform::around_mismatch;
 use cube3_vectors::{
     AnswerReader, Comparison, FileError, Format, Header, Lines, Mismatch, ResponsesError, Set, Table, Tables, Unit,
     VectorReader, Vectors, testbench, units,

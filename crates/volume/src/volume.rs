@@ -98,6 +98,11 @@ impl Volume {
         self.samples.sample_type()
     }
 
+    /// Bytes of the samples.
+    pub fn bytes(&self) -> u64 {
+        (self.samples.len() * self.sample_type().bytes()) as u64
+    }
+
     /// The number of voxels.
     pub fn len(&self) -> usize {
         self.samples.len()

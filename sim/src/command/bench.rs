@@ -1,11 +1,11 @@
 //! `cube3 bench`: speed on this machine, as ratios and as fractions of the hardware's limit.
 
 use super::run::print;
-use super::{on_threads, threads};
-use crate::bench::{COPY_BYTES, Measurement, Plan, measure};
-use crate::memory;
+use super::{fits, on_threads, threads};
+use crate::bench::{COPY_BYTES, Measurement, Sizes, measure};
 use crate::problem::Outcome;
 use clap::Args;
+use cube3::memory;
 
 /// Arguments of `cube3 bench`.
 #[derive(Debug, Args)]
@@ -30,9 +30,9 @@ impl BenchArguments {
     /// # Errors
     /// What went wrong, in words.
     pub fn execute(self) -> Outcome<()> {
-        let plan = Plan { size: self.size, timing_size: self.timing_size, repeats: self.repeats.max(1) };
-        memory::bench(COPY_BYTES as u64, self.size, self.timing_size, threads(self.threads)?).check()?;
-        let rows = on_threads(self.threads, || measure(&plan))?;
+        let sizes = Sizes { size: self.size, timing_size: self.timing_size, repeats: self.repeats.max(1) };
+        fits(&memory::bench(COPY_BYTES as u64, self.size, self.timing_size, threads(self.threads)?))?;
+        let rows = on_threads(self.threads, || measure(&sizes))?;
         let mut text = String::new();
         for Measurement { what, value, unit, note } in rows {
             text += &format!("{what:<44} {value:>12} {unit:<14} {note}\n");

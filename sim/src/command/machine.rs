@@ -2,9 +2,9 @@
 
 use super::list::ListArguments;
 use super::run::print;
-use crate::inputs;
 use crate::problem::Outcome;
 use clap::Args;
+use cube3_inputs as inputs;
 use cube3_machine::{MachineSpec, PARAMETERS, PRESETS, about};
 use cube3_report::name_list;
 

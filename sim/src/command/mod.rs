@@ -14,6 +14,7 @@ mod words;
 
 use crate::problem::Outcome;
 use clap::{Parser, Subcommand};
+use cube3::memory::Need;
 
 /// A cycle-approximate simulator of Cube-3, a real-time volume-rendering machine.
 ///
@@ -134,6 +135,18 @@ fn spacing(text: &str) -> Result<[f64; 3], String> {
 /// Most threads: beyond this, starting them takes longer than a frame.
 const MOST_THREADS: usize = 256;
 
+/// Refuses what does not fit into memory, before any is taken, and tells of what is large.
+///
+/// # Errors
+/// More memory than there is.
+fn fits(need: &Need) -> Outcome<()> {
+    need.check()?;
+    if let Some(note) = need.note() {
+        eprintln!("{note}");
+    }
+    Ok(())
+}
+
 /// How many threads a command works on: those asked for, or all cores.
 ///
 /// # Errors
@@ -143,7 +156,7 @@ fn threads(asked: Option<usize>) -> Outcome<usize> {
         Some(threads) if !(1..=MOST_THREADS).contains(&threads) => Err(crate::problem::Problem::new(format!(
             "--threads {threads}: give 1 to {MOST_THREADS}, or leave it out for all cores"
         ))),
-        _ => Ok(crate::memory::threads(asked)),
+        _ => Ok(cube3::memory::threads(asked)),
     }
 }
 

@@ -1,21 +1,22 @@
 //! `cube3 run`: one frame on the machine, or a sequence of frames.
 
-use super::{RawArguments, on_threads, threads, three};
-use crate::checkpoint;
-use crate::clocked::{Stops, TraceRequest};
-use crate::inputs::{self, LoadedVolume};
-use crate::memory::{Case, Grid};
+use super::{RawArguments, fits, on_threads, threads, three};
 use crate::output::{SequenceFiles, write_run, write_whole};
 use crate::problem::{Outcome, Problem};
-use crate::reference::Reference;
-use crate::run::{RunOptions, Runs, conversion, run_frame_with};
-use crate::sequence::{KEPT_VOLUMES, MOST_FRAMES, Series, Shown, run_sequence};
-use crate::topology::Drawing;
-use crate::trace::{Format, Window};
+use crate::progress::{Bars, Waiting};
 use clap::{Args, Parser, ValueEnum};
+use cube3::clocked::{Stops, TraceRequest};
+use cube3::memory::{Case, Grid};
+use cube3::sequence::{MOST_FRAMES, Shown, run_sequence};
+use cube3::{Error, RunOptions, Runs, conversion, run_frame};
+use cube3_inputs::{self as inputs, KEPT_VOLUMES, LoadedVolume, Series};
 use cube3_machine::{AcquisitionMode, GradientMethod, MachineSpec, RayEnds, RaySlots, TemplateRule};
-use cube3_report::table;
+use cube3_method::Choice;
+use cube3_pipeline::checkpoint;
+use cube3_rendering::MethodError;
+use cube3_report::{Drawing, table};
 use cube3_scene::{FileAxes, Mode, Path, Perspective, Scene, View, VolumeSource};
+use cube3_trace::{CycleWindow, TraceFormat};
 use cube3_volume::ReadOptions;
 use std::io::Write;
 use std::path::PathBuf;
@@ -96,9 +97,12 @@ pub struct RunArguments {
     /// Which runs are made; "both" is timing and function side by side.
     #[arg(long, value_enum, default_value_t)]
     fidelity: FidelityArgument,
-    /// What the picture is measured against: image-order in steps of half a voxel or of :STEP voxels, true, sheared or none.
-    #[arg(long, value_name = "NAME[:STEP]", default_value = "image-order")]
-    reference: Reference,
+    /// What the picture is measured against: a method of `cube3 methods`, its options behind colons as in image-order:0.25, or none.
+    #[arg(long, value_name = "NAME[:OPTION]", default_value = "image-order", value_parser = reference)]
+    reference: Against,
+    /// Do not look for what limits the frame rate, which runs the machine again with one resource at a time out of the way.
+    #[arg(long)]
+    no_limits: bool,
     /// Run every unit, also those that cannot change the picture.
     #[arg(long)]
     no_plan: bool,
@@ -183,6 +187,14 @@ pub(super) fn gradient(name: &str) -> Result<GradientMethod, String> {
         .ok_or_else(|| format!("known are {}", names()))
 }
 
+/// What a picture is measured against; nothing where none is asked for.
+#[derive(Clone, Debug)]
+struct Against(Option<Choice>);
+
+fn reference(text: &str) -> Result<Against, MethodError> {
+    if text == "none" { Ok(Against(None)) } else { text.parse().map(|choice| Against(Some(choice))) }
+}
+
 fn eye(text: &str) -> Result<[f64; 3], String> {
     three(text, ',', "63.5,-150,63.5")
 }
@@ -213,7 +225,7 @@ impl RunArguments {
         }
         keep_inputs(self.scene.as_deref(), &self.machine, &self.out)?;
         let mut stops = self.stops()?;
-        let drawing = self.topology.as_deref().map(Drawing::of).transpose()?;
+        let drawing = self.topology.as_deref().map(drawing).transpose()?;
         let scene = self.scene()?;
         let machine = self.machine()?;
         let read = self.raw.read_options()?;
@@ -224,27 +236,34 @@ impl RunArguments {
                 FidelityArgument::Function => Runs::Function,
                 FidelityArgument::Cycle => Runs::Cycle,
             },
-            reference: self.reference,
+            reference: self.reference.0.clone(),
             plan: !self.no_plan,
+            limits: !self.no_limits,
             seed: self.seed,
         };
         self.check_memory(&scene, &machine, &read, &options)?;
         stops.resume = self.resume.as_deref().map(checkpoint::read).transpose()?;
+        let bars = Bars::default();
+        let watch = |what: &'static str, done, all| bars.set(what, done, all);
         let (result, files) = on_threads(self.threads, || {
             let started = |volume: &LoadedVolume| {
                 let [nx, ny, nz] = volume.dims();
                 print(&format!("{}: {nx} × {ny} × {nz}\n{}\n", volume.source, conversion(&scene, volume)))
             };
             let Some(frames) = self.frames.map(|frames| frames as usize) else {
-                let volume = inputs::volume(&scene, &machine, &read, self.mask_non_finite)?;
+                let waiting = Waiting::new("volume");
+                let volume = inputs::load_volume(&scene, &machine, &read, self.mask_non_finite)?;
+                drop(waiting);
                 started(&volume)?;
-                return Ok((run_frame_with(&scene, &machine, &volume, &options, &stops)?, None));
+                return Ok((run_frame(&scene, &machine, &volume, &options, &stops, &watch)?, None));
             };
             let mut series = Series::open(&scene, &machine, &read, self.mask_non_finite, frames)?;
             started(series.first())?;
             let mut files = SequenceFiles::new(&self.out, frames)?;
-            let take = &mut |shown: Shown<'_>| files.push(&shown);
-            let result = run_sequence(&scene, &machine, &mut series, frames, &options, take)?;
+            let take = &mut |shown: Shown<'_>| {
+                files.push(&shown).map_err(|problem| Error::Refused(problem.to_string().into()))
+            };
+            let result = run_sequence(&scene, &machine, &mut series, frames, &options, take, &watch)?;
             Ok((result, Some(files)))
         })?;
         print(&table(&result.report))?;
@@ -278,7 +297,7 @@ impl RunArguments {
             machine,
             grid: Grid::of_scene(&scene.volume, read)?,
             runs: options.runs,
-            reference: options.reference != Reference::None,
+            reference: options.reference.is_some(),
             mask: self.mask_non_finite,
             threads: threads(self.threads)?,
         };
@@ -287,11 +306,11 @@ impl RunArguments {
             Some(frames) => case.sequence(frames as usize, Series::moves(&scene.volume, read)?, KEPT_VOLUMES),
         };
         if let (Some(trace), Some(to)) = (&self.trace, self.to) {
-            let format = Format::of(trace)?;
-            need = case.trace(need, format, Window::new(self.from, to, format)?);
+            let format = TraceFormat::of(trace)?;
+            need = case.trace(need, format, CycleWindow::new(self.from, to, format)?);
         }
         let resumed = self.resume.as_deref().and_then(|file| std::fs::metadata(file).ok()).map_or(0, |file| file.len());
-        case.checkpoint(need, self.checkpoint_at.is_some(), resumed).check()
+        fits(&case.checkpoint(need, self.checkpoint_at.is_some(), resumed))
     }
 
     /// What is asked of the clocked run, but for the state that it goes on from.
@@ -312,8 +331,8 @@ impl RunArguments {
         }
         let trace = match (&self.trace, self.to) {
             (Some(path), Some(to)) => {
-                let format = Format::of(path)?;
-                Some(TraceRequest { path: path.clone(), format, window: Window::new(self.from, to, format)? })
+                let format = TraceFormat::of(path)?;
+                Some(TraceRequest { path: path.clone(), format, window: CycleWindow::new(self.from, to, format)? })
             }
             _ => None,
         };
@@ -410,6 +429,11 @@ impl RunArguments {
         machine.check(&self.machine)?;
         Ok(machine)
     }
+}
+
+/// The drawing that a file's extension asks for.
+fn drawing(path: &std::path::Path) -> Outcome<Drawing> {
+    Drawing::of(path).ok_or_else(|| Problem::new(format!("{}: the drawing is an .svg or .dot file", path.display())))
 }
 
 /// The resolved scene and machine are written into the folder; they must not take the place of the files read.

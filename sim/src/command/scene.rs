@@ -1,9 +1,9 @@
 //! The scene of a command that is not `run`: a file, and the options that change it.
 
 use super::run::gradient;
-use crate::inputs;
 use crate::problem::{Outcome, Problem};
 use clap::Args;
+use cube3_inputs as inputs;
 use cube3_machine::{GradientMethod, MachineSpec};
 use cube3_scene::{Mode, Scene, VolumeSource};
 use std::path::{Path, PathBuf};

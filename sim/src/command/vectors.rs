@@ -1,19 +1,20 @@
 //! `cube3 vectors`: golden vectors, data sheets and test benches.
 
+use super::fits;
 use super::run::print;
 use super::scene::SceneArguments;
-use crate::inputs;
-use crate::machine::Machine;
-use crate::memory::{self, Case, Grid};
 use crate::output::{make_folder, write_whole};
 use crate::problem::{Outcome, Problem};
-use crate::record::{Recording, Run, Window};
-use crate::rtl_frame;
-use crate::run::Runs;
-use crate::vector_files::SetFiles;
 use clap::Args;
+use cube3::Runs;
+use cube3::memory::{self, Case, Grid};
 use cube3_frame::BasePlane;
 use cube3_host::picture_setup;
+use cube3_inputs as inputs;
+use cube3_pipeline::Machine;
+use cube3_vectors::SetFiles;
+use cube3_vectors::record::{Excerpt, Recording, Run};
+use cube3_vectors::rtl_frame;
 use cube3_vectors::{Coverage, Format, Lines, Set, Unit, pages, testbench, units};
 use cube3_volume::ReadOptions;
 use std::path::PathBuf;
@@ -201,7 +202,7 @@ impl VectorsArguments {
         let count = self.unit.lines()?;
         make_folder(&self.out, "--out")?;
         for unit in asked {
-            memory::set(unit.as_ref(), &format, false)?.check()?;
+            fits(&memory::set(unit.as_ref(), &format, false)?)?;
             let set = Set::new(unit.as_ref(), format, self.unit.seed)?;
             let mut lines = Lines::new(unit.as_ref(), &set)?;
             self.write(unit.as_ref(), &set, |take| match self.reference {
@@ -289,11 +290,11 @@ impl VectorsArguments {
             threads: memory::threads(None),
         };
         if self.frame {
-            case.rtl_frame().check()?
+            fits(&case.rtl_frame())?
         } else {
-            case.recording().check()?
+            fits(&case.recording())?
         }
-        let volume = inputs::volume(&scene, &machine, &read, false)?;
+        let volume = inputs::load_volume(&scene, &machine, &read, false)?;
         let scene = scene.thickened(volume.single);
         make_folder(&self.out, "--out")?;
         let (dims, voxels) = (volume.words.dims, &volume.words.words);
@@ -321,7 +322,7 @@ impl VectorsArguments {
         let frames = picture_setup(&scene, &machine, &volume.info(), true)?.setups;
         for unit in self.unit.units()? {
             let run = Run { machine: &machine, frames: &frames, dims, voxels };
-            let window = Window {
+            let window = Excerpt {
                 frame: self.pass.unwrap_or(0),
                 first: self.first.unwrap_or(0),
                 count: self.unit.lines()?,

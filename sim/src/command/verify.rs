@@ -1,20 +1,22 @@
 //! `cube3 verify`: units against their specification, and devices under test against golden vectors.
 
+use super::fits;
 use super::run::print;
 use super::vectors::{UnitArguments, unit};
 use super::words::WordsArguments;
-use crate::inputs;
-use crate::machine::Machine;
-use crate::memory;
-use crate::output::{make_folder, write_waveform};
+use crate::output::make_folder;
 use crate::problem::{Outcome, Problem};
-use crate::vector_files::SetFiles;
 use clap::Args;
+use cube3::memory;
+use cube3::write_waveform;
 use cube3_host::{VolumeInfo, frame_setup};
+use cube3_inputs as inputs;
 use cube3_machine::MachineSpec;
+use cube3_pipeline::Machine;
 use cube3_scene::{Mode, Scene, View};
+use cube3_vectors::SetFiles;
+use cube3_vectors::around_mismatch;
 use cube3_vectors::compare::{Compared, explain};
-use cube3_vectors::waveform::around_mismatch;
 use cube3_vectors::{
     Answer, AnswerReader, Comparison, Definition, FileError, Format, Lines, Mismatch, ResponsesError, Set, Tables,
     Unit, VectorReader, ranges, word_formats,
@@ -160,12 +162,13 @@ impl VerifyArguments {
             })?;
             let unit = unit(name)?;
             let (format, count) = (self.unit.format()?, self.unit.lines()?);
-            memory::set(unit.as_ref(), &format, false)?.check()?;
+            fits(&memory::set(unit.as_ref(), &format, false)?)?;
             let set = Set::new(unit.as_ref(), format, self.unit.seed)?;
             make_folder(&self.out, "--out")?;
-            let files = SetFiles::write(&self.out, unit.as_ref(), &set, None, |take| {
+            let lines = |take: &mut dyn FnMut(Vec<i128>) -> Outcome<()>| {
                 Lines::new(unit.as_ref(), &set)?.take(count).try_for_each(take)
-            })?;
+            };
+            let files = SetFiles::write(&self.out, unit.as_ref(), &set, None, lines)?;
             return Ok((unit, set, files.keep()?, count));
         };
         let mut reader = open_vectors(path)?;
@@ -174,7 +177,7 @@ impl VerifyArguments {
         if self.unit.unit.as_ref().is_some_and(|name| *name != header.unit) {
             return Err(at(path, format!("these are vectors of {}; leave out --unit", header.unit)));
         }
-        memory::set(unit.as_ref(), &header.format, false)?.check()?;
+        fits(&memory::set(unit.as_ref(), &header.format, false)?)?;
         let mut tables = Tables::new();
         for of in unit.sheet().tables {
             // Beside the vectors, with the table's name before the extension.
@@ -184,12 +187,13 @@ impl VerifyArguments {
         }
         let set = Set::with_tables(unit.as_ref(), header.format, header.seed, tables)?;
         make_folder(&self.out, "--out")?;
-        let files = SetFiles::write(&self.out, unit.as_ref(), &set, None, |take| {
-            while let Some(inputs) = reader.inputs(&set).map_err(|error| at(path, error))? {
-                take(inputs)?;
-            }
-            Ok(())
-        })?;
+        let files =
+            SetFiles::write(&self.out, unit.as_ref(), &set, None, |take: &mut dyn FnMut(Vec<i128>) -> Outcome<()>| {
+                while let Some(inputs) = reader.inputs(&set).map_err(|error| at(path, error))? {
+                    take(inputs)?;
+                }
+                Ok(())
+            })?;
         let written = files.written();
         if written.lines == 0 {
             let reason = "there is no line to compare, and no result; give a file with lines of vectors";
@@ -213,7 +217,7 @@ impl VerifyArguments {
             let name = unit.sheet().name;
             let (mut lines, mut answered, mut equal, mut wires, mut hold) = (0, 0, 0, 0, 0);
             for format in &formats {
-                memory::set(unit.as_ref(), format, true)?.check()?;
+                fits(&memory::set(unit.as_ref(), format, true)?)?;
                 let set = Set::new(unit.as_ref(), *format, self.unit.seed)?;
                 let (mismatch, compared) = lanes(unit.as_ref(), &set, count)?;
                 lines += count;

@@ -2,11 +2,11 @@
 
 use super::run::print;
 use super::volume_info::info;
-use super::{RawArguments, dims, spacing};
-use crate::memory::{self, Grid};
+use super::{RawArguments, dims, fits, spacing};
 use crate::problem::{Outcome, Problem};
 use crate::progress::Waiting;
 use clap::{Args, Subcommand};
+use cube3::memory::{self, Grid};
 use cube3_volume::{
     FileInfo, Filter, Format, NewGrid, NonFiniteRule, Ordering, Packing, Phantom, PhantomParams, ReadOptions,
     Resampling, Samples, Space, Volume, WordConversion, check_name, inspect, read, readable, resample, write_packed,
@@ -123,7 +123,7 @@ impl VolumeArguments {
             VolumeCommand::Info { file: Some(file), raw } => {
                 let options = raw.read_options()?;
                 let about = inspect(&file, &options)?;
-                memory::volume(&file.display().to_string(), &Grid::of(&about), false).check()?;
+                fits(&memory::volume(&file.display().to_string(), &Grid::of(&about), false))?;
                 let volume = read(&file, &options)?;
                 info(&file.display().to_string(), &volume, Some((&about, options.frame)))
             }
@@ -134,7 +134,7 @@ impl VolumeArguments {
                 check_name(&to)?;
                 let mut options = raw.read_options()?;
                 let about = inspect(&from, &options)?;
-                memory::volume(&from.display().to_string(), &Grid::of(&about), bits.is_some()).check()?;
+                fits(&memory::volume(&from.display().to_string(), &Grid::of(&about), bits.is_some()))?;
                 one_of_a_series(&about, [&from, &to], options.frame)?;
                 // Where no world is known, an axis of negative spacing is the one thing that is turned: no file keeps that.
                 if !ras && about.world.space != Space::Unknown {
@@ -164,7 +164,7 @@ impl VolumeArguments {
                 let how = Resampling { grid, straight, filter, outside, ..Resampling::default() };
                 let options = ReadOptions { frame: time.unwrap_or(0), ..ReadOptions::default() };
                 let about = inspect(&from, &options)?;
-                memory::resampling(&from.display().to_string(), &about, &how)?.check()?;
+                fits(&memory::resampling(&from.display().to_string(), &about, &how)?)?;
                 one_of_a_series(&about, [&from, &to], options.frame)?;
                 let volume = resampled(&read(&from, &options)?, &how)?;
                 save(&to, &volume, Packing::Compressed)
@@ -173,7 +173,7 @@ impl VolumeArguments {
                 let out = out.unwrap_or_else(|| PathBuf::from(format!("{name}.nrrd")));
                 check_name(&out)?;
                 let params = PhantomParams { radius, ramp, centre, period, phase };
-                memory::volume(&format!("the phantom {name}"), &Grid::of_phantom(&name, size)?, false).check()?;
+                fits(&memory::volume(&format!("the phantom {name}"), &Grid::of_phantom(&name, size)?, false))?;
                 let volume = name.parse::<Phantom>()?.generate(size, &params)?;
                 save(&out, &volume, Packing::Compressed)
             }

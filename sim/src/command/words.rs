@@ -2,17 +2,17 @@
 
 use super::run::{keep_inputs, print};
 use super::scene::SceneArguments;
-use super::{on_threads, threads};
-use crate::inputs;
-use crate::memory::{Case, Grid};
+use super::{fits, on_threads, threads};
 use crate::output::{remove, write_files};
 use crate::problem::Outcome;
 use crate::progress::Waiting;
-use crate::run::Runs;
-use crate::words_study::wire::Wire;
-use crate::words_study::{Options, csv, json, page, plots, study, summary};
 use clap::Args;
+use cube3::Runs;
+use cube3::memory::{Case, Grid};
+use cube3_inputs as inputs;
 use cube3_scene::Image;
+use cube3_study::words::wire::Wire;
+use cube3_study::words::{Options, csv, json, page, plots, study, summary};
 use cube3_volume::ReadOptions;
 use std::path::Path;
 
@@ -78,12 +78,12 @@ impl WordsArguments {
             mask: false,
             threads: threads(self.threads)?,
         };
-        case.words_study().check()?;
+        fits(&case.words_study())?;
         let study = on_threads(self.threads, || {
-            let volume = inputs::volume(&scene, &machine, &read, false)?;
+            let volume = inputs::load_volume(&scene, &machine, &read, false)?;
             let scene = scene.thickened(volume.single);
             let _waiting = Waiting::new("word lengths");
-            study(&scene, &machine, &volume, &options)
+            Ok(study(&scene, &machine, &volume, &options)?)
         })?;
         print(&summary(&study))?;
         let plots = plots(&study)?;

@@ -4,14 +4,14 @@
 //! not given. Seconds are those of the processor. The two run in turns: what else the computer does slows now one and now the other, so the
 //! best round of each is what is compared; the ratios of the rounds show how far that may be trusted.
 
-use cube3::fidelity::Cycle;
-use cube3::inputs;
-use cube3::machine::Machine;
-use cube3::rtl_frame;
 use cube3_host::frame_setup;
+use cube3_inputs as inputs;
 use cube3_machine::MachineSpec;
+use cube3_pipeline::Cycle;
+use cube3_pipeline::Machine;
 use cube3_scene::{Scene, View, VolumeSource};
 use cube3_tests::rtl_pipeline::{Design, Effort, OurRun, RtlRun, Simulator};
+use cube3_vectors::rtl_frame;
 use cube3_volume::ReadOptions;
 use std::path::Path;
 use std::time::Duration;
@@ -33,7 +33,7 @@ fn main() {
     let volume = VolumeSource { size_voxels: Some(n), ..Scene::default().volume };
     let scene = Scene { volume, view: View::from_direction([0.55, 0.3, 1.0], None), ..Scene::default() };
     let loaded =
-        inputs::volume(&scene, &machine, &ReadOptions::default(), false).unwrap_or_else(|error| panic!("{error}"));
+        inputs::load_volume(&scene, &machine, &ReadOptions::default(), false).unwrap_or_else(|error| panic!("{error}"));
     let words = &loaded.words.words;
     let setup = frame_setup(&scene, &machine, &loaded.info(), true).unwrap_or_else(|error| panic!("{error}")).setup;
     let frame = rtl_frame::export(&machine, &setup, words).unwrap_or_else(|error| panic!("{error}"));

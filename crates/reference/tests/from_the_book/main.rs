@@ -118,7 +118,7 @@ fn assert_equal(volume: &Volume, seen: &Seen) {
             let (scene, setting) = pair(seen.clone(), mode, rich, step_voxel);
             let border = 3.0;
             let options = ImageOrderOptions { step_voxel, border, ..ImageOrderOptions::default() };
-            let ours = image_order(volume, &scene, &options, None).unwrap().pixels;
+            let ours = image_order(volume, &scene, &options, None).unwrap().picture.pixels;
             let theirs = cast(&voxels(volume, border), &setting);
             let error = common::largest_difference(&ours, &theirs);
             assert!(error < 1e-12, "{} from {seen:?}, {:?}: {error:e}", mode.0, volume.dims);

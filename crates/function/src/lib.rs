@@ -1,0 +1,10 @@
+//! The machine's pictures without its clock: the units' lanes over whole planes, on all cores.
+//!
+//! [`render`] makes the base plane of a [`FrameSetup`](cube3_frame::FrameSetup) and a [`CanonicalVolume`]; bit for bit what the machine makes cycle by cycle.
+
+#![warn(missing_docs)]
+
+mod function;
+mod perspective;
+
+pub use function::{CanonicalVolume, FunctionRun, render};
