@@ -3,6 +3,8 @@
 mod bench;
 mod list;
 mod machine;
+mod methods;
+mod render;
 mod run;
 mod scene;
 mod scene_file;
@@ -30,6 +32,10 @@ pub struct Arguments {
 enum Command {
     /// One frame or a sequence: picture, throughput, stalls, error.
     Run(Box<run::RunArguments>),
+    /// One picture by any method.
+    Render(Box<render::RenderArguments>),
+    /// The ways to make a picture, and what each can show.
+    Methods(methods::MethodsArguments),
     /// Golden vectors of units, their data sheets and test benches.
     Vectors(Box<vectors::VectorsArguments>),
     /// Units against their specification, devices under test against vectors; the study of word lengths.
@@ -53,6 +59,8 @@ impl Arguments {
         match self.command {
             None => run::RunArguments::defaults().execute(),
             Some(Command::Run(arguments)) => arguments.execute(),
+            Some(Command::Render(arguments)) => arguments.execute(),
+            Some(Command::Methods(arguments)) => arguments.execute(),
             Some(Command::Vectors(arguments)) => arguments.execute(),
             Some(Command::Verify(arguments)) => arguments.execute(),
             Some(Command::Volume(arguments)) => arguments.execute(),
@@ -87,6 +95,19 @@ pub struct RawArguments {
 }
 
 impl RawArguments {
+    /// The first option that was given.
+    fn given(&self) -> Option<&'static str> {
+        let given = [
+            ("--dims", self.dims.is_some()),
+            ("--type", self.sample_type.is_some()),
+            ("--endian", self.endian.is_some()),
+            ("--spacing", self.spacing.is_some()),
+            ("--skip", self.skip.is_some()),
+            ("--time", self.time.is_some()),
+        ];
+        given.into_iter().find(|(_, given)| *given).map(|(option, _)| option)
+    }
+
     /// Options for reading a volume.
     ///
     /// # Errors

@@ -1,6 +1,7 @@
 //! `cube3 run`: one frame on the machine, or a sequence of frames.
 
-use super::{RawArguments, fits, on_threads, threads, three};
+use super::scene::SceneArguments;
+use super::{fits, on_threads, threads};
 use crate::output::{SequenceFiles, write_run, write_whole};
 use crate::problem::{Outcome, Problem};
 use crate::progress::{Bars, Waiting};
@@ -10,12 +11,12 @@ use cube3::memory::{Case, Grid};
 use cube3::sequence::{MOST_FRAMES, Shown, run_sequence};
 use cube3::{Error, RunOptions, Runs, conversion, run_frame};
 use cube3_inputs::{self as inputs, KEPT_VOLUMES, LoadedVolume, Series};
-use cube3_machine::{AcquisitionMode, GradientMethod, MachineSpec, RayEnds, RaySlots, TemplateRule};
+use cube3_machine::{AcquisitionMode, MachineSpec, RayEnds, RaySlots, TemplateRule};
 use cube3_method::Choice;
 use cube3_pipeline::checkpoint;
 use cube3_rendering::MethodError;
 use cube3_report::{Drawing, table};
-use cube3_scene::{FileAxes, Mode, Path, Perspective, Scene, View, VolumeSource};
+use cube3_scene::{Path, Scene};
 use cube3_trace::{CycleWindow, TraceFormat};
 use cube3_volume::ReadOptions;
 use std::io::Write;
@@ -24,28 +25,12 @@ use std::path::PathBuf;
 /// Arguments of `cube3 run`.
 #[derive(Debug, Args)]
 pub struct RunArguments {
-    /// What to show.
-    #[arg(long, value_name = "FILE.toml")]
-    scene: Option<PathBuf>,
+    #[command(flatten)]
+    scene: SceneArguments,
     /// Machine file, or the name of a preset: cube3-128, cube3-256, cube3-512, cube3-board, cube4-teramac, em-cube or
     /// volumepro-500.
     #[arg(long, value_name = "FILE.toml|NAME", default_value = "cube3-128")]
     machine: String,
-    /// Volume: .nrrd, .nhdr, .nii, .nii.gz, .mha, .mhd, or raw with --dims and --type. Several are a series in the order of time,
-    /// for --frames.
-    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with = "phantom")]
-    volume: Vec<PathBuf>,
-    /// Built-in volume: head, sphere, marschner-lobb, shepp-logan, shells, fog, engine, checker or beating-heart.
-    #[arg(long, value_name = "NAME")]
-    phantom: Option<String>,
-    /// Voxels along each side of the phantom.
-    #[arg(long, value_name = "VOXELS", conflicts_with = "volume")]
-    size: Option<usize>,
-    /// The volume's values are labels: each sample is its nearest voxel, and nothing is interpolated.
-    #[arg(long)]
-    labels: bool,
-    #[command(flatten)]
-    raw: RawArguments,
     /// A sequence of so many frames: volumes come in through the acquisition port, the view follows its path.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_FRAMES as i64))]
     frames: Option<u32>,
@@ -64,27 +49,6 @@ pub struct RunArguments {
     /// Voxel words that come in with a cycle.
     #[arg(long, value_name = "WORDS", requires = "frames")]
     words_per_cycle: Option<f64>,
-    /// How a ray becomes a pixel: composite, first-opaque, last-opaque, maximum, minimum or weighted-sum.
-    #[arg(long)]
-    mode: Option<Mode>,
-    /// Degrees that the eye is turned about the vertical axis.
-    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
-    yaw: Option<f64>,
-    /// Degrees that the eye is raised above the horizon.
-    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
-    tilt: Option<f64>,
-    /// Perspective: degrees between the picture's lower and upper edge.
-    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
-    fov: Option<f64>,
-    /// Where the eye of a perspective view is, in voxels; the view's direction stays.
-    #[arg(long, value_name = "X,Y,Z", value_parser = eye, allow_hyphen_values = true)]
-    eye: Option<[f64; 3]>,
-    /// How far before the volume's centre the eye of a perspective view is, in voxels.
-    #[arg(long, value_name = "VOXELS", allow_negative_numbers = true, conflicts_with = "eye")]
-    distance: Option<f64>,
-    /// Gradient estimator: 6, 26, 10, 10n, 12, 6d or 26d.
-    #[arg(long, value_name = "NAME", value_parser = gradient)]
-    gradient: Option<GradientMethod>,
     /// Whether rays share slots.
     #[arg(long, value_enum)]
     slots: Option<SlotsArgument>,
@@ -178,25 +142,12 @@ enum AcquisitionArgument {
     DoubleBuffer,
 }
 
-pub(super) fn gradient(name: &str) -> Result<GradientMethod, String> {
-    let all = GradientMethod::ALL;
-    let names = || all.map(|(_, name)| name).join(", ");
-    all.iter()
-        .find(|(_, known)| *known == name)
-        .map(|(method, _)| *method)
-        .ok_or_else(|| format!("known are {}", names()))
-}
-
 /// What a picture is measured against; nothing where none is asked for.
 #[derive(Clone, Debug)]
 struct Against(Option<Choice>);
 
 fn reference(text: &str) -> Result<Against, MethodError> {
     if text == "none" { Ok(Against(None)) } else { text.parse().map(|choice| Against(Some(choice))) }
-}
-
-fn eye(text: &str) -> Result<[f64; 3], String> {
-    three(text, ',', "63.5,-150,63.5")
 }
 
 /// The run command on its own, to take its defaults from.
@@ -223,12 +174,12 @@ impl RunArguments {
         if self.print_machine {
             return print(&MachineSpec::default().commented());
         }
-        keep_inputs(self.scene.as_deref(), &self.machine, &self.out)?;
+        keep_inputs(self.scene.file(), &self.machine, &self.out)?;
         let mut stops = self.stops()?;
         let drawing = self.topology.as_deref().map(drawing).transpose()?;
         let scene = self.scene()?;
         let machine = self.machine()?;
-        let read = self.raw.read_options()?;
+        let read = self.scene.read_options()?;
         let options = RunOptions {
             runs: match self.fidelity {
                 FidelityArgument::Both => Runs::Both,
@@ -341,69 +292,16 @@ impl RunArguments {
     }
 
     fn scene(&self) -> Outcome<Scene> {
-        let mut scene = inputs::scene(self.scene.as_deref())?;
-        if !self.volume.is_empty() {
-            let VolumeSource { window, axes, time, labels, .. } = scene.volume;
-            let source = match self.volume.as_slice() {
-                [file] => VolumeSource::from_file(file),
-                files => VolumeSource::from_files(files.to_vec()),
-            };
-            scene.volume = VolumeSource { window, axes, time, labels, ..source };
-        }
-        scene.volume.time = self.raw.time.or(scene.volume.time);
-        if self.phantom.is_some() || self.size.is_some() {
-            if self.phantom.is_none() && scene.volume.phantom.is_none() {
-                return Err(Problem::new(
-                    "--size is for phantoms, and the scene's volume is a file; give --phantom too, or leave --size out",
-                ));
-            }
-            if self.phantom.is_some() && self.phantom != scene.volume.phantom {
-                (scene.volume.phase, scene.volume.phase_per_frame) = (None, None);
-            }
-            (scene.volume.file, scene.volume.axes, scene.volume.time) = (None, FileAxes::default(), self.raw.time);
-            scene.volume.files = Vec::new();
-            scene.volume.phantom = self.phantom.clone().or(scene.volume.phantom);
-            scene.volume.size_voxels = self.size.or(scene.volume.size_voxels);
-        }
-        scene.volume.labels |= self.labels;
+        let mut scene = self.scene.scene(|_| {})?;
         scene.volume.phase = self.phase.or(scene.volume.phase);
         scene.volume.phase_per_frame = self.phase_per_frame.or(scene.volume.phase_per_frame);
         scene.path = self.turntable.map(Path::turntable).or(scene.path);
-        if self.yaw.is_some() || self.tilt.is_some() {
-            scene.view.direction = None;
-            scene.view.up = None;
-        }
-        scene.view.yaw_deg = self.yaw.unwrap_or(scene.view.yaw_deg);
-        scene.view.tilt_deg = self.tilt.unwrap_or(scene.view.tilt_deg);
-        self.place_eye(&mut scene.view)?;
-        scene.mode = self.mode.unwrap_or(scene.mode);
         scene.validate()?;
         Ok(scene)
     }
 
-    /// Makes the view the perspective that the options ask for.
-    fn place_eye(&self, view: &mut View) -> Outcome<()> {
-        if let Some(field_of_view_deg) = self.fov {
-            let before = view.perspective.unwrap_or(Perspective::new(field_of_view_deg));
-            view.perspective = Some(Perspective { field_of_view_deg, ..before });
-        }
-        if self.eye.is_none() && self.distance.is_none() {
-            return Ok(());
-        }
-        let Some(perspective) = &mut view.perspective else {
-            let option = if self.eye.is_some() { "--eye" } else { "--distance" };
-            return Err(Problem::new(format!(
-                "{option} is for perspective views, and this one is parallel; give --fov DEGREES too, or [view.perspective] \
-                 in the scene"
-            )));
-        };
-        (perspective.eye_voxel, perspective.distance_voxel) = (self.eye, self.distance);
-        Ok(())
-    }
-
     fn machine(&self) -> Outcome<MachineSpec> {
-        let mut machine = inputs::machine(&self.machine)?;
-        machine.abc.gradient = self.gradient.unwrap_or(machine.abc.gradient);
+        let mut machine = self.scene.machine(&self.machine)?;
         machine.acquisition.mode = match self.acquisition {
             Some(AcquisitionArgument::DualPort) => AcquisitionMode::DualPort,
             Some(AcquisitionArgument::CycleStealing) => AcquisitionMode::CycleStealing,
@@ -457,42 +355,5 @@ pub(super) fn print(text: &str) -> Outcome<()> {
     match std::io::stdout().write_all(text.as_bytes()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
         _ => Ok(()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn view(arguments: &[&str]) -> Outcome<View> {
-        let run = Alone::try_parse_from([&["cube3"], arguments].concat()).unwrap().run;
-        run.scene().map(|scene| scene.view)
-    }
-
-    #[test]
-    fn options_place_the_eye() {
-        assert_eq!(view(&["--yaw", "20"]).unwrap().perspective, None);
-        let perspective = |arguments: &[&str]| view(arguments).unwrap().perspective.unwrap();
-        assert_eq!(perspective(&["--fov", "40"]), Perspective::new(40.0));
-        let near = Perspective { distance_voxel: Some(90.0), ..Perspective::new(40.0) };
-        assert_eq!(perspective(&["--fov", "40", "--distance", "90"]), near);
-        let inside = Perspective { eye_voxel: Some([-1.5, 2.0, 3e2]), ..Perspective::new(40.0) };
-        assert_eq!(perspective(&["--eye", "-1.5, 2,3e2", "--fov", "40"]), inside);
-    }
-
-    #[test]
-    fn options_override_the_eye_of_the_scene_file() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("scene.toml");
-        std::fs::write(&path, "[view.perspective]\nfield_of_view_deg = 30\neye_voxel = [1, 2, 3]\n").unwrap();
-        let path = path.to_str().unwrap();
-        let perspective = |more: &[&str]| view(&[&["--scene", path], more].concat()).unwrap().perspective.unwrap();
-        let of_file = Perspective { eye_voxel: Some([1.0, 2.0, 3.0]), ..Perspective::new(30.0) };
-        assert_eq!(perspective(&[]), of_file);
-        assert_eq!(perspective(&["--fov", "50"]), Perspective { field_of_view_deg: 50.0, ..of_file });
-        let moved = Perspective { eye_voxel: Some([4.0, 5.0, 6.0]), ..of_file };
-        assert_eq!(perspective(&["--eye", "4,5,6"]), moved);
-        let near = Perspective { eye_voxel: None, distance_voxel: Some(7.0), ..of_file };
-        assert_eq!(perspective(&["--distance", "7"]), near);
     }
 }

@@ -16,7 +16,6 @@ use cube3_vectors::SetFiles;
 use cube3_vectors::record::{Excerpt, Recording, Run};
 use cube3_vectors::rtl_frame;
 use cube3_vectors::{Coverage, Format, Lines, Set, Unit, pages, testbench, units};
-use cube3_volume::ReadOptions;
 use std::path::PathBuf;
 
 /// Most lines of a file: a test bench reads them into memory.
@@ -279,7 +278,7 @@ impl VectorsArguments {
             }
         })?;
         let mut machine = self.scene.machine(&self.unit.machine)?;
-        let read = ReadOptions::default();
+        let read = self.scene.read_options()?;
         let case = Case {
             scene: &scene,
             machine: &machine,

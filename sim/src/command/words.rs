@@ -13,7 +13,6 @@ use cube3_inputs as inputs;
 use cube3_scene::Image;
 use cube3_study::words::wire::Wire;
 use cube3_study::words::{Options, csv, json, page, plots, study, summary};
-use cube3_volume::ReadOptions;
 use std::path::Path;
 
 /// Voxels a side of the phantom, where neither scene nor volume is given.
@@ -68,7 +67,7 @@ impl WordsArguments {
             wires.retain(|wire| self.wires.contains(wire));
         }
         let options = Options { wires, bound_levels: self.bound, bound_deg: self.angle_bound };
-        let read = ReadOptions::default();
+        let read = self.scene.read_options()?;
         let case = Case {
             scene: &scene,
             machine: &machine,
