@@ -14,6 +14,7 @@ use cube3_twin::{DiscreteOptions, Interpolation, discrete};
 use cube3_volume::{Samples, Volume};
 use cube3_word::Words;
 use glam::DVec3;
+use std::sync::Arc;
 
 /// Voxels along each axis.
 pub const SIDE: usize = 25;
@@ -393,7 +394,7 @@ fn frames(question: &Question) -> PictureFrames {
     picture_setup(&question.scene, &spec(), &question.info(), true).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn machine(question: &Question, run: fn(&[FrameSetup], &[u16]) -> Vec<BasePlane>) -> Vec<f64> {
+fn machine(question: &Question, run: fn(&[Arc<FrameSetup>], &[u16]) -> Vec<BasePlane>) -> Vec<f64> {
     let frames = frames(question);
     let bases = run(&frames.setups, &question.words);
     let passes: Vec<(&BasePlane, &Geometry)> =
@@ -401,14 +402,14 @@ fn machine(question: &Question, run: fn(&[FrameSetup], &[u16]) -> Vec<BasePlane>
     grey(warp_passes(&passes, &frames.plane, [1.0; 3], question.scene.background))
 }
 
-fn function(setups: &[FrameSetup], words: &[u16]) -> Vec<BasePlane> {
-    let base = |setup: &FrameSetup| {
+fn function(setups: &[Arc<FrameSetup>], words: &[u16]) -> Vec<BasePlane> {
+    let base = |setup: &Arc<FrameSetup>| {
         render(setup, &CanonicalVolume::new(&setup.geometry.axes, [SIDE; 3], words), true, &|_, _| {}).base
     };
     setups.iter().map(base).collect()
 }
 
-fn cycle(setups: &[FrameSetup], words: &[u16]) -> Vec<BasePlane> {
+fn cycle(setups: &[Arc<FrameSetup>], words: &[u16]) -> Vec<BasePlane> {
     let mut machine =
         Machine::cycle(&spec(), setups.to_vec(), [SIDE; 3], words).unwrap_or_else(|error| panic!("{error}"));
     machine.run(&|_, _| {}).unwrap_or_else(|error| panic!("{error}"));

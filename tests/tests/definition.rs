@@ -10,6 +10,7 @@ use cube3_pipeline::Machine;
 use cube3_scene::Scene;
 use cube3_tests::{SmallVolume, for_perspective, from_eye, machines, perspectives, scenes, volumes};
 use proptest::prelude::*;
+use std::sync::Arc;
 
 fn parallel() -> impl Strategy<Value = (MachineSpec, Scene, SmallVolume)> {
     (machines(), scenes()).prop_flat_map(|(machine, scene)| {
@@ -42,7 +43,7 @@ fn assert_defined((machine, scene, volume): &(MachineSpec, Scene, SmallVolume), 
     }
     let defined: Vec<Definition<'_>> = setups.iter().map(|setup| Definition::new(setup, &volume.words)).collect();
     let planes: Vec<BasePlane> = defined.iter().map(Definition::base_plane).collect();
-    let function = |setup: &FrameSetup| {
+    let function = |setup: &Arc<FrameSetup>| {
         let turned = CanonicalVolume::new(&setup.geometry.axes, volume.dims, &volume.words);
         render(setup, &turned, plan, &|_, _| {}).base
     };

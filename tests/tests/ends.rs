@@ -6,6 +6,7 @@ use cube3_function::{CanonicalVolume, FunctionRun, render};
 use cube3_host::{VolumeInfo, picture_setup};
 use cube3_machine::{MachineSpec, RayEnds, Rays, TemplateRule};
 use cube3_scene::{Crop, Cut, Mode, Perspective, Scene, View};
+use std::sync::Arc;
 
 const N: usize = 33;
 const RANGE: f64 = 255.0;
@@ -26,7 +27,7 @@ fn machine(ends: RayEnds, offset: f64) -> MachineSpec {
     machine
 }
 
-fn run(scene: &Scene, machine: &MachineSpec) -> (FrameSetup, FunctionRun) {
+fn run(scene: &Scene, machine: &MachineSpec) -> (Arc<FrameSetup>, FunctionRun) {
     let volume = VolumeInfo { dims: [N; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
     let setup = picture_setup(scene, machine, &volume, true).unwrap().setups.remove(0);
     let words = vec![u16::MAX; N * N * N];
@@ -36,7 +37,7 @@ fn run(scene: &Scene, machine: &MachineSpec) -> (FrameSetup, FunctionRun) {
 }
 
 /// The opacity of the ray that is at a place of the volume's canonical plane in front, of 255.
-fn grey((setup, run): &(FrameSetup, FunctionRun), u: i64, v: i64) -> f64 {
+fn grey((setup, run): &(Arc<FrameSetup>, FunctionRun), u: i64, v: i64) -> f64 {
     let [column, row] = setup.geometry.pixel(cube3_frame::DiscreteRay { u, v });
     f64::from(run.base.pixels[row * run.base.width + column][3]) / 65535.0 * RANGE
 }

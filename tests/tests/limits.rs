@@ -8,10 +8,11 @@ use cube3_machine::{
     MachineSpec, RaySlots, Rays,
 };
 use cube3_scene::{Perspective, Scene, View};
+use std::sync::Arc;
 
 const SIDE: usize = 32;
 
-fn setups(machine: &MachineSpec, view: View) -> Vec<FrameSetup> {
+fn setups(machine: &MachineSpec, view: View) -> Vec<Arc<FrameSetup>> {
     let scene = Scene { view, ..Scene::default() };
     let volume = VolumeInfo { dims: [SIDE; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
     picture_setup(&scene, machine, &volume, true).unwrap().setups

@@ -12,6 +12,7 @@ use cube3_pipeline::{Machine, RunCounters};
 use cube3_scene::{Perspective, Scene, View};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// Words over each link, forwards and backwards.
 type Words = Vec<[u64; 2]>;
@@ -167,7 +168,7 @@ fn of_frame(machine: &MachineSpec, setup: &FrameSetup) -> (Words, [u64; 3]) {
     (sum, units)
 }
 
-fn run(machine: &MachineSpec, frames: Vec<FrameSetup>) -> RunCounters {
+fn run(machine: &MachineSpec, frames: Vec<Arc<FrameSetup>>) -> RunCounters {
     let mut run = Machine::timing(machine, frames).unwrap();
     run.run(&|_, _| {}).unwrap();
     let counters = run.counters();
@@ -214,7 +215,7 @@ fn views() -> impl Strategy<Value = View> {
 }
 
 /// The passes of a picture; estimators with feet of perpendiculars have none from an eye.
-fn passes(machine: &mut MachineSpec, view: View, dims: [usize; 3]) -> Vec<FrameSetup> {
+fn passes(machine: &mut MachineSpec, view: View, dims: [usize; 3]) -> Vec<Arc<FrameSetup>> {
     let feet = matches!(machine.abc.gradient, GradientMethod::Ten | GradientMethod::TenNormalised);
     if view.perspective.is_some() && feet {
         machine.abc.gradient = GradientMethod::Twelve;
@@ -226,7 +227,7 @@ fn passes(machine: &mut MachineSpec, view: View, dims: [usize; 3]) -> Vec<FrameS
 
 /// The least and the most cycles of a picture on links so narrow that nothing else counts: the words of the busiest link over the rate, and the same
 /// for each token alone, one after another. And those of the longest token.
-fn bounds(machine: &MachineSpec, passes: &[FrameSetup]) -> [f64; 3] {
+fn bounds(machine: &MachineSpec, passes: &[Arc<FrameSetup>]) -> [f64; 3] {
     let spec = BoardSpec::new(machine);
     let rate = machine.boards.link_words_per_cycle.unwrap();
     let busiest = |words: &Words| words.iter().flatten().copied().max().unwrap();

@@ -7,6 +7,7 @@ use cube3_machine::MachineSpec;
 use cube3_reference::{ImageOrderOptions, image_order};
 use cube3_scene::{ColourPoint, Image, Perspective, Scene, View};
 use cube3_volume::{Phantom, PhantomParams, Samples, Volume, VoxelWords, WordConversion};
+use std::sync::Arc;
 
 const N: usize = 64;
 const SIDE: u32 = 256;
@@ -50,7 +51,7 @@ impl Input {
         let words = &self.words;
         let info = VolumeInfo { dims: words.dims, spacing: words.spacing, window: words.window };
         let frames = picture_setup(scene, machine, &info, true).unwrap();
-        let base = |setup: &FrameSetup| {
+        let base = |setup: &Arc<FrameSetup>| {
             render(setup, &CanonicalVolume::new(&setup.geometry.axes, words.dims, &words.words), true, &|_, _| {}).base
         };
         let bases: Vec<BasePlane> = frames.setups.iter().map(base).collect();

@@ -1,7 +1,7 @@
 //! Perspective against closed forms, the parallel view, the symmetries of the cube, and the reference ray caster.
 
 use cube3::{RunOptions, Runs};
-use cube3_frame::{BasePlane, Geometry};
+use cube3_frame::{BasePlane, FrameSetup, Geometry};
 use cube3_function::{CanonicalVolume, render};
 use cube3_host::{PictureFrames, VolumeInfo, frame_setup, picture_setup, warp_passes};
 use cube3_inputs as inputs;
@@ -13,9 +13,10 @@ use cube3_tests::{SmallVolume, for_perspective, machines, scenes, volumes};
 use cube3_volume::{Phantom, PhantomParams, ReadOptions, WordConversion};
 use cube3_word::Words;
 use proptest::prelude::*;
+use std::sync::Arc;
 
 fn bases(frames: &PictureFrames, dims: [usize; 3], words: &[u16]) -> Vec<BasePlane> {
-    let base = |setup: &cube3_frame::FrameSetup| {
+    let base = |setup: &Arc<FrameSetup>| {
         render(setup, &CanonicalVolume::new(&setup.geometry.axes, dims, words), true, &|_, _| {}).base
     };
     frames.setups.iter().map(base).collect()

@@ -10,6 +10,7 @@ use cube3_resources::{memory, operators};
 use cube3_scene::{Cut, Material, Mode, Scene, View};
 use cube3_tests::{SmallVolume, for_perspective, from_eye, machines, perspectives, scenes, volumes};
 use proptest::prelude::*;
+use std::sync::Arc;
 
 fn function(setup: &FrameSetup, volume: &SmallVolume) -> FunctionRun {
     let turned = CanonicalVolume::new(&setup.geometry.axes, volume.dims, &volume.words);
@@ -28,7 +29,7 @@ fn item(frames: &PictureFrames, rule: Rule) -> Option<&Item> {
 }
 
 /// Bits of memory of a machine that renders these frames.
-fn memory_bits(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSetup]) -> u64 {
+fn memory_bits(machine: &MachineSpec, dims: [usize; 3], frames: &[Arc<FrameSetup>]) -> u64 {
     memory(machine, dims, frames).iter().map(|memory| memory.bits).sum()
 }
 
@@ -78,7 +79,7 @@ proptest! {
 
 /// Operators of a lane, by the part's name in the report.
 fn of_lane(machine: &MachineSpec, parts: &[&str]) -> OperatorCounts {
-    let of_machine = operators(machine, &[]);
+    let of_machine = operators(machine, &[] as &[FrameSetup]);
     parts.iter().filter_map(|name| of_machine.iter().find(|part| part.part == *name)).map(|part| part.each).sum()
 }
 
@@ -162,7 +163,7 @@ fn an_eye_has_no_frames_for_faces_that_no_ray_needs() {
     let passes = item(&frames, Rule::OtherFaces).unwrap().savings.passes;
     assert_eq!(passes, 6 - frames.setups.len() as u64);
     let cue = item(&frames, Rule::DepthCue).unwrap().savings;
-    let samples = |setup: &FrameSetup| setup.geometry.slot_counts().iter().product::<usize>() * 16;
+    let samples = |setup: &Arc<FrameSetup>| setup.geometry.slot_counts().iter().product::<usize>() * 16;
     let all: usize = frames.setups.iter().map(samples).sum();
     assert_eq!(cue.operations, cue.operators.all() * all as u64);
 }

@@ -18,6 +18,7 @@ use cube3_vectors::{Format, Reader, Recorder, Set, Sheet, Tables, Unit, Vectors,
 use cube3_word::Probe;
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::sync::Arc;
 
 /// What a unit is sent, whether its sheet is there or not: its name alone.
 struct Lines(&'static str);
@@ -53,7 +54,7 @@ struct Tokens {
     pixels: Vec<Pixels>,
 }
 
-fn tokens(machine: &MachineSpec, setups: &[FrameSetup], volume: &SmallVolume) -> Vec<Tokens> {
+fn tokens(machine: &MachineSpec, setups: &[Arc<FrameSetup>], volume: &SmallVolume) -> Vec<Tokens> {
     let mut cycle = Machine::cycle(machine, setups.to_vec(), volume.dims, &volume.words).unwrap();
     let mut frames = vec![Tokens::default(); setups.len()];
     let mut pushes = [0; 3];
@@ -180,7 +181,7 @@ fn case() -> impl Strategy<Value = (MachineSpec, Scene, SmallVolume)> {
     )
 }
 
-fn frames((machine, scene, volume): &(MachineSpec, Scene, SmallVolume)) -> Vec<FrameSetup> {
+fn frames((machine, scene, volume): &(MachineSpec, Scene, SmallVolume)) -> Vec<Arc<FrameSetup>> {
     picture_setup(scene, machine, &volume.info(), true).unwrap().setups
 }
 

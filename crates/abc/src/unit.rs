@@ -16,6 +16,7 @@ use cube3_frame::{FrameSetup, Schedule, ShadingOrder};
 use cube3_machine::{GradientMethod, MachineSpec};
 use cube3_trilin::SampleRay;
 use serde::{Deserialize, Serialize};
+use std::borrow::Borrow;
 use std::ops::Range;
 
 /// A slot of coloured samples.
@@ -204,7 +205,7 @@ impl<A: Shade> AbcUnit<A> {
     #[inline]
     pub fn tick(
         &mut self,
-        frames: &[FrameSetup],
+        frames: &[impl Borrow<FrameSetup>],
         samples: &mut Channel<SampleRay<A::Input>>,
         shaded: &mut Channel<ShadedRay<A::Output>>,
     ) -> Activity {
@@ -220,7 +221,7 @@ impl<A: Shade> AbcUnit<A> {
     }
 
     #[inline]
-    fn take(&mut self, frames: &[FrameSetup], samples: &mut Channel<SampleRay<A::Input>>) -> Activity {
+    fn take(&mut self, frames: &[impl Borrow<FrameSetup>], samples: &mut Channel<SampleRay<A::Input>>) -> Activity {
         let Some(ray) = samples.front() else {
             return samples.lack();
         };
@@ -234,7 +235,7 @@ impl<A: Shade> AbcUnit<A> {
             return Activity::Busy;
         }
         if let Some(ray) = samples.pop_slot() {
-            arithmetic.take(&frames[frame], ray);
+            arithmetic.take(frames[frame].borrow(), ray);
         }
         self.state.take_spent = 0;
         self.state.taken += 1;
@@ -247,7 +248,7 @@ impl<A: Shade> AbcUnit<A> {
     }
 
     #[inline]
-    fn give(&mut self, frames: &[FrameSetup], shaded: &mut Channel<ShadedRay<A::Output>>) -> Activity {
+    fn give(&mut self, frames: &[impl Borrow<FrameSetup>], shaded: &mut Channel<ShadedRay<A::Output>>) -> Activity {
         let Some(pass) = self.passes.get(self.state.giving as usize) else {
             return Activity::Starved;
         };
@@ -268,7 +269,7 @@ impl<A: Shade> AbcUnit<A> {
         output.frame = pass.frame;
         output.plane = plane as u32;
         output.slot = slot as u32;
-        let setup = &frames[pass.frame as usize];
+        let setup = frames[pass.frame as usize].borrow();
         arithmetic.give(setup, plane as usize, slot as usize, &mut output.data);
         self.state.give_spent = 0;
         let [plane, slot] = &mut self.state.next;

@@ -11,6 +11,7 @@ use cube3_scene::{Crop, Cut, Image, Perspective, Scene, View};
 use cube3_word::Words;
 use proptest::prelude::*;
 use registers::{Dice, direction};
+use std::sync::Arc;
 
 const ONE: f64 = (1 << EndRegisters::REACH_BITS) as f64;
 const PARTS: f64 = (1 << EndRegisters::PART_BITS) as f64;
@@ -39,7 +40,7 @@ fn machine(dice: &mut Dice) -> MachineSpec {
 }
 
 /// Frames of any view with exact ends, and their scene.
-fn frames(dice: &mut Dice) -> (Scene, Vec<FrameSetup>) {
+fn frames(dice: &mut Dice) -> (Scene, Vec<Arc<FrameSetup>>) {
     let dims = [0; 3].map(|_| dice.within(2, 9) as usize);
     let (mut scene, machine) = (scene(dice, dims), machine(dice));
     let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };

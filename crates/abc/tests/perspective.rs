@@ -12,6 +12,7 @@ use cube3_scene::{Image, Mode, Perspective, Scene, View};
 use cube3_word::{Words, unit_full};
 use proptest::prelude::*;
 use registers::{Dice, machine, neighbourhood, normaliser, scene, words};
+use std::sync::Arc;
 
 const METHODS: [GradientMethod; 5] = [
     GradientMethod::Six,
@@ -22,7 +23,7 @@ const METHODS: [GradientMethod; 5] = [
 ];
 
 /// The passes of a picture that an eye near the volume, or in it, has of any scene on any machine.
-fn frames(dice: &mut Dice) -> Vec<FrameSetup> {
+fn frames(dice: &mut Dice) -> Vec<Arc<FrameSetup>> {
     let words = words(dice);
     let words = Words { table_gradient_bits: words.table_gradient_bits.min(3), ..words };
     let machine = machine(dice, words);

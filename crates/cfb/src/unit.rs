@@ -12,6 +12,7 @@ use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel,
 use cube3_frame::{BeamPlace, FrameSetup, Geometry, Schedule};
 use cube3_machine::{Layout, MachineSpec};
 use serde::{Deserialize, Serialize};
+use std::borrow::Borrow;
 use std::ops::Range;
 
 /// A beam on its way: the row of voxels that plane `plane` of ray slots has at depth `depth`.
@@ -328,7 +329,12 @@ impl<F: Fetch> CfbUnit<F> {
 
     /// One cycle. `frames` are the registers of all frames, of which those before `released` may be scanned.
     #[inline(always)]
-    pub fn tick(&mut self, frames: &[FrameSetup], released: u32, beams: &mut Channel<Beam<F::Output>>) -> Activity {
+    pub fn tick(
+        &mut self,
+        frames: &[impl Borrow<FrameSetup>],
+        released: u32,
+        beams: &mut Channel<Beam<F::Output>>,
+    ) -> Activity {
         let activity = if self.port.is_none() {
             self.read(frames, released, beams)
         } else {
@@ -339,7 +345,12 @@ impl<F: Fetch> CfbUnit<F> {
 
     /// A cycle of the modules.
     #[inline(always)]
-    fn read(&mut self, frames: &[FrameSetup], released: u32, beams: &mut Channel<Beam<F::Output>>) -> Activity {
+    fn read(
+        &mut self,
+        frames: &[impl Borrow<FrameSetup>],
+        released: u32,
+        beams: &mut Channel<Beam<F::Output>>,
+    ) -> Activity {
         if let (Some(modules), Some(state)) = (&self.modules, &mut self.state.modules) {
             modules.ask(state, frames, &self.specs, released);
         }
@@ -354,7 +365,7 @@ impl<F: Fetch> CfbUnit<F> {
     /// is taken from reads, the modules' own time stands still.
     fn read_and_write(
         &mut self,
-        frames: &[FrameSetup],
+        frames: &[impl Borrow<FrameSetup>],
         released: u32,
         beams: &mut Channel<Beam<F::Output>>,
     ) -> Activity {
@@ -377,25 +388,30 @@ impl<F: Fetch> CfbUnit<F> {
     }
 
     /// Whether the modules are read in this cycle if nothing else takes it.
-    fn reads(&self, frames: &[FrameSetup], released: u32, beams: &Channel<Beam<F::Output>>) -> bool {
+    fn reads(&self, frames: &[impl Borrow<FrameSetup>], released: u32, beams: &Channel<Beam<F::Output>>) -> bool {
         let Scan { frame, spent, .. } = self.state.scan;
         if self.done() || frame >= released {
             return false;
         }
         let spec = &self.specs[frame as usize];
-        let fetching = spec.fetching(&frames[frame as usize].geometry, &self.state.scan);
+        let fetching = spec.fetching(&frames[frame as usize].borrow().geometry, &self.state.scan);
         let last = spent + 1 >= fetching.cycles;
         fetching.row.is_some() && (!last || beams.can_push())
     }
 
     #[inline(always)]
-    fn step(&mut self, frames: &[FrameSetup], released: u32, beams: &mut Channel<Beam<F::Output>>) -> Activity {
+    fn step(
+        &mut self,
+        frames: &[impl Borrow<FrameSetup>],
+        released: u32,
+        beams: &mut Channel<Beam<F::Output>>,
+    ) -> Activity {
         if self.done() || self.state.scan.frame >= released {
             return Activity::Starved;
         }
         let CfbUnit { specs, memory, modules, port, state, .. } = self;
         let Scan { frame, place: BeamPlace { section, plane, depth }, spent } = state.scan;
-        let (setup, spec) = (&frames[frame as usize], &specs[frame as usize]);
+        let (setup, spec) = (frames[frame as usize].borrow(), &specs[frame as usize]);
         let Fetching { row, voxels, cycles, work } = spec.fetching(&setup.geometry, &state.scan);
         let last = spent + 1 >= cycles;
         if last && !beams.can_push() {

@@ -12,6 +12,7 @@ use cube3_machine::{Cfb, Layout, LookAheadFreed, LookAheadUnit, MachineSpec, Mem
 use cube3_scene::{Perspective, Scene, View};
 use proptest::prelude::*;
 use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
+use std::sync::Arc;
 
 /// What a run of the frame buffer shows: the cycles in which beams were sent, the account, and what modules and buffer have done.
 #[derive(Debug, PartialEq)]
@@ -22,7 +23,7 @@ struct Seen {
     reorder: ReorderCounters,
 }
 
-fn run(machine: &MachineSpec, setups: &[FrameSetup]) -> Seen {
+fn run(machine: &MachineSpec, setups: &[Arc<FrameSetup>]) -> Seen {
     let modules = Supply::new(machine, setups).unwrap();
     let specs = setups
         .iter()
@@ -56,9 +57,10 @@ struct NaiveBeam {
     rows: Vec<Option<Vec<[usize; 3]>>>,
 }
 
-fn naive_beams(machine: &MachineSpec, setups: &[FrameSetup]) -> Vec<NaiveBeam> {
+fn naive_beams(machine: &MachineSpec, setups: &[Arc<FrameSetup>]) -> Vec<NaiveBeam> {
     let mut beams = Vec::new();
-    for (frame, FrameSetup { geometry, .. }) in setups.iter().enumerate() {
+    for (frame, setup) in setups.iter().enumerate() {
+        let geometry = &setup.geometry;
         let whole = Schedule::of(geometry, machine.lanes, None);
         let inside: HashMap<(u32, u32), u32> =
             scan(geometry, &whole).map(|(at, piece)| ((at.plane, at.depth), piece.row)).collect();
@@ -103,13 +105,13 @@ struct Stay {
 /// Frame, section and place across the beams of a row of mini-blocks.
 type RowKey = [usize; 4];
 
-fn row_of(setups: &[FrameSetup], beam: &NaiveBeam, mini: [usize; 3]) -> RowKey {
+fn row_of(setups: &[Arc<FrameSetup>], beam: &NaiveBeam, mini: [usize; 3]) -> RowKey {
     let axis = setups[beam.frame].geometry.axes.axis;
     [beam.frame, beam.section, mini[axis[1]], mini[axis[2]]]
 }
 
 /// The mini-blocks of each row that a section uses, in the order of slots: those of the nearer depth begin first.
-fn naive_touched(setups: &[FrameSetup], beams: &[NaiveBeam]) -> HashMap<RowKey, Vec<[usize; 3]>> {
+fn naive_touched(setups: &[Arc<FrameSetup>], beams: &[NaiveBeam]) -> HashMap<RowKey, Vec<[usize; 3]>> {
     let mut by_depth: HashMap<RowKey, BTreeMap<u32, Vec<[usize; 3]>>> = HashMap::new();
     for beam in beams {
         for row in beam.rows.iter().flatten() {
@@ -125,7 +127,7 @@ fn naive_touched(setups: &[FrameSetup], beams: &[NaiveBeam]) -> HashMap<RowKey, 
 
 /// The stays in the order in which they begin, from sets of mini-blocks: a stay goes on as long as the same plane or the next uses it. What
 /// the section before has had of the row is not brought again; what goes on from the row's end to its start are two stays.
-fn naive_stays(setups: &[FrameSetup], beams: &[NaiveBeam]) -> Vec<Stay> {
+fn naive_stays(setups: &[Arc<FrameSetup>], beams: &[NaiveBeam]) -> Vec<Stay> {
     let touched = naive_touched(setups, beams);
     let mut stays: Vec<Stay> = Vec::new();
     // By row: its stays, and the last plane that has used them.
@@ -173,7 +175,7 @@ struct NaiveModule {
 }
 
 /// The same as the unit, cycle by cycle from lists of voxels.
-fn naive(machine: &MachineSpec, setups: &[FrameSetup], words: u64) -> Seen {
+fn naive(machine: &MachineSpec, setups: &[Arc<FrameSetup>], words: u64) -> Seen {
     let timing = &Timing::of(machine);
     let geometries: Vec<&Geometry> = setups.iter().map(|setup| &setup.geometry).collect();
     let dims = geometries[0].dims();
@@ -320,7 +322,7 @@ fn ahead() -> impl Strategy<Value = (usize, LookAheadUnit, LookAheadFreed, usize
 }
 
 /// Machines with this layout, and frames: one or two parallel ones, or the passes of an eye.
-fn cases() -> impl Strategy<Value = (MachineSpec, Vec<FrameSetup>)> {
+fn cases() -> impl Strategy<Value = (MachineSpec, Vec<Arc<FrameSetup>>)> {
     let kinds = proptest::sample::select(MemoryModel::TABLE.map(|model| model.kind).to_vec());
     let machine = (1_usize..7, [-3_i64..4, -3_i64..4, -3_i64..4], kinds, 0.3..3.0_f64, any::<bool>(), ahead());
     let view =
@@ -357,7 +359,7 @@ fn cases() -> impl Strategy<Value = (MachineSpec, Vec<FrameSetup>)> {
             view.perspective = eye.map(|eye| Perspective { eye_voxel: Some(eye), ..Perspective::new(150.0) });
             let scene = Scene { view, ..Scene::default() };
             let setups = match eye {
-                None => vec![frame_setup(&scene, &machine, &volume, true).ok()?.setup; frames],
+                None => vec![frame_setup(&scene, &machine, &volume, true).ok()?.setup.into(); frames],
                 Some(_) => picture_setup(&scene, &machine, &volume, true).ok()?.setups,
             };
             (!setups.is_empty()).then_some((machine, setups))
@@ -366,7 +368,7 @@ fn cases() -> impl Strategy<Value = (MachineSpec, Vec<FrameSetup>)> {
 }
 
 /// Most of what frames need.
-fn need(machine: &MachineSpec, setups: &[FrameSetup]) -> ReorderNeed {
+fn need(machine: &MachineSpec, setups: &[Arc<FrameSetup>]) -> ReorderNeed {
     let needs = setups.iter().map(|setup| ReorderNeed::new(machine, &setup.geometry));
     needs.fold(ReorderNeed::default(), |all, one| ReorderNeed {
         least: all.least.max(one.least),
@@ -476,7 +478,7 @@ fn a_frame_from_every_direction_takes_its_bursts_its_refreshes_and_the_rows_that
     for direction in directions() {
         let scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
         let setup = frame_setup(&scene, &machine, &volume, true).unwrap().setup;
-        let setups = vec![setup; 3];
+        let setups = vec![Arc::new(setup); 3];
         let stays = naive_stays(&setups[..2], &naive_beams(&machine, &setups[..2]));
         let (mut bursts, mut met, mut last) = (0, 0, None);
         for (i, mini) in stays.iter().flat_map(|stay| stay.minis.iter().map(move |mini| (stay.frame, mini))) {
@@ -517,7 +519,7 @@ fn the_steady_capacity_is_what_a_reader_of_one_rate_needs_and_no_more() {
         let setup = frame_setup(&scene, &machine, &volume, true).unwrap().setup;
         let need = ReorderNeed::new(&machine, &setup.geometry);
         machine.cfb.memory_clock_hz = Some((125e6 * (1.0002 * need.words as f64 / (n * n * n) as f64)).ceil());
-        let setups = vec![setup; 3];
+        let setups = vec![Arc::new(setup); 3];
         let frame = |words: u64| {
             let mut machine = machine.clone();
             machine.cfb.reorder_words = Some(words);

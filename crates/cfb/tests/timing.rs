@@ -10,6 +10,7 @@ use cube3_frame::{FrameSetup, Schedule};
 use cube3_host::{VolumeInfo, frame_setup, picture_setup};
 use cube3_machine::{Cfb, MachineSpec, RaySlots, Rays};
 use cube3_scene::{Perspective, Scene, View};
+use std::sync::Arc;
 
 fn machine(lanes: usize, skew: [i64; 3], slots: RaySlots) -> MachineSpec {
     let rays = Rays { slots, ..Rays::default() };
@@ -152,7 +153,7 @@ fn without_room_the_frame_buffer_is_blocked() {
 }
 
 /// The pass along +z of an eye before the middle of a cube.
-fn seen_from(machine: &MachineSpec, n: usize, distance: f64) -> FrameSetup {
+fn seen_from(machine: &MachineSpec, n: usize, distance: f64) -> Arc<FrameSetup> {
     let middle = (n as f64 - 1.0) * 0.5;
     let perspective = Perspective { eye_voxel: Some([middle, middle, -distance]), ..Perspective::new(90.0) };
     let view = View { perspective: Some(perspective), ..View::from_direction([0.0, 0.0, 1.0], None) };

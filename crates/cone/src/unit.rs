@@ -14,6 +14,7 @@ use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel,
 use cube3_frame::{DiscreteRay, FrameSetup, RayStretches};
 use cube3_machine::ConeOrder;
 use serde::{Deserialize, Serialize};
+use std::borrow::Borrow;
 use std::ops::Range;
 
 /// A pixel of the base plane.
@@ -229,7 +230,7 @@ impl<R: Reduce> ConeUnit<R> {
     #[inline]
     pub fn tick(
         &mut self,
-        frames: &[FrameSetup],
+        frames: &[impl Borrow<FrameSetup>],
         shaded: &mut Channel<ShadedRay<R::Input>>,
         pixels: &mut Channel<PixelGroup<R::Output>>,
     ) -> Activity {
@@ -240,7 +241,7 @@ impl<R: Reduce> ConeUnit<R> {
     #[inline]
     fn step(
         &mut self,
-        frames: &[FrameSetup],
+        frames: &[impl Borrow<FrameSetup>],
         shaded: &mut Channel<ShadedRay<R::Input>>,
         pixels: &mut Channel<PixelGroup<R::Output>>,
     ) -> Activity {
@@ -258,7 +259,7 @@ impl<R: Reduce> ConeUnit<R> {
         output.frame = ray.frame;
         output.plane = ray.plane;
         output.slot = ray.slot;
-        self.arithmetic.reduce(&frames[frame], [ray.frame, ray.plane, ray.slot], &ray.data, &mut output.data);
+        self.arithmetic.reduce(frames[frame].borrow(), [ray.frame, ray.plane, ray.slot], &ray.data, &mut output.data);
         shaded.pop_slot();
         self.state.spent = 0;
         Activity::Busy

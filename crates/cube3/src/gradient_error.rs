@@ -6,6 +6,7 @@ use cube3_frame::{DiscreteRay, FrameSetup, Perspective, SLOPE_FRACTION_BITS};
 use cube3_host::{Basis, whole_step_opacity};
 use cube3_volume::VoxelWords;
 use glam::DVec3;
+use std::borrow::Borrow;
 
 /// Most rays that are looked at: a grid of them, if there are more.
 const MOST_RAYS: usize = 16_384;
@@ -13,8 +14,8 @@ const MOST_RAYS: usize = 16_384;
 /// Mean angle in degrees between the machine's gradient words and central differences of the exactly interpolated volume,
 /// at the first sample of each ray that the classification makes at least half opaque, over all frames of a picture. None where
 /// no ray has one, or no frame has a gradient.
-pub fn mean_angle_deg(setups: &[FrameSetup], volume: &VoxelWords) -> Option<f64> {
-    let pairs = setups.iter().flat_map(|setup| gradient_pairs(setup, volume));
+pub fn mean_angle_deg(setups: &[impl Borrow<FrameSetup>], volume: &VoxelWords) -> Option<f64> {
+    let pairs = setups.iter().flat_map(|setup| gradient_pairs(setup.borrow(), volume));
     let error = cube3_metrics::mean_angle_deg(pairs).ok()?;
     error.mean_deg.filter(|_| error.count > error.degenerate)
 }

@@ -11,6 +11,7 @@ use cube3_machine::{
 use cube3_pipeline::links::{busiest_link, link_slots};
 use cube3_pipeline::{Machine, RunCounters, RunError};
 use cube3_report::{LimitWithout, LimitsReport};
+use std::sync::Arc;
 
 /// A resource, what it is replaced by, and how.
 struct Resource {
@@ -103,14 +104,19 @@ fn roomy(channels: &Channels) -> Channels {
 ///
 /// # Errors
 /// A machine that cannot move.
-pub fn frame_interval(machine: &MachineSpec, passes: &[FrameSetup]) -> Outcome<u64> {
-    Ok(interval_under(machine, passes, None)?.0)
+pub fn frame_interval(machine: &MachineSpec, passes: &[impl Clone + Into<Arc<FrameSetup>>]) -> Outcome<u64> {
+    Ok(interval_under(machine, &shared(passes), None)?.0)
+}
+
+/// The frames as all runs share them.
+fn shared(passes: &[impl Clone + Into<Arc<FrameSetup>>]) -> Vec<Arc<FrameSetup>> {
+    passes.iter().cloned().map(Into::into).collect()
 }
 
 /// The same while volumes of `incoming` voxels along x, y, z come in without end; and what the run counted.
 fn interval_under(
     machine: &MachineSpec,
-    passes: &[FrameSetup],
+    passes: &[Arc<FrameSetup>],
     incoming: Option<[usize; 3]>,
 ) -> Outcome<(u64, RunCounters)> {
     let pictures = if link_slots(machine, 1).is_some() { 4 } else { 3 };
@@ -157,7 +163,12 @@ fn busier_than_rays(counters: &RunCounters) -> Option<(&'static str, f64)> {
 ///
 /// # Errors
 /// As [`frame_interval`].
-pub fn limits(machine: &MachineSpec, passes: &[FrameSetup], incoming: Option<[usize; 3]>) -> Outcome<LimitsReport> {
+pub fn limits(
+    machine: &MachineSpec,
+    passes: &[impl Clone + Into<Arc<FrameSetup>>],
+    incoming: Option<[usize; 3]>,
+) -> Outcome<LimitsReport> {
+    let passes = &shared(passes);
     let (interval, counters) = interval_under(machine, passes, incoming)?;
     let interval_without = |machine: &MachineSpec, resource: &Resource| {
         let freed = (resource.remove)(machine);

@@ -12,6 +12,7 @@ use cube3_picture::Watch;
 use cube3_pipeline::checkpoint::RunIdentity;
 use cube3_pipeline::{Fidelity, Machine, RunCounters, Timing};
 use cube3_report::WallReport;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// What the machine has given over all frames of the picture: counters, base planes, saturated words, and the seconds each run
@@ -105,7 +106,7 @@ impl MachineRun {
 type TimingRun = (RunCounters, f64, Vec<String>);
 
 fn timing(
-    setups: &[FrameSetup],
+    setups: &[Arc<FrameSetup>],
     machine: &MachineSpec,
     volume: &LoadedVolume,
     stops: &Stops,
@@ -121,7 +122,7 @@ fn timing(
 fn clocked<F: Fidelity>(
     run: &mut Machine<F>,
     runs: Runs,
-    setups: &[FrameSetup],
+    setups: &[Arc<FrameSetup>],
     machine: &MachineSpec,
     volume: &LoadedVolume,
     stops: &Stops,
@@ -134,14 +135,14 @@ fn clocked<F: Fidelity>(
 
 /// Renders frames of a volume of voxel words, x fastest; also the seconds.
 pub(crate) fn function(
-    setups: &[FrameSetup],
+    setups: &[Arc<FrameSetup>],
     dims: [usize; 3],
     words: &[u16],
     skip: bool,
     watch: Watch<'_>,
 ) -> (Vec<FunctionRun>, f64) {
     let start = Instant::now();
-    let pass = |setup: &FrameSetup| {
+    let pass = |setup: &Arc<FrameSetup>| {
         let turned = CanonicalVolume::new(&setup.geometry.axes, dims, words);
         render(setup, &turned, skip, &|done, all| watch("function", done, all))
     };

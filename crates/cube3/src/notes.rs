@@ -32,7 +32,7 @@ impl<'a> Findings<'a> {
         frames: &'a PictureFrames,
     ) -> Findings<'a> {
         let counts = volume.words.counts();
-        let setup = frames.setups.first();
+        let setup = frames.setups.first().map(AsRef::as_ref);
         let check = setup.map(|setup| CheckedFrame { scene, machine, volume, setup, counts: &counts }.check());
         let crowding = crowding(volume, &counts);
         Findings { scene, machine, volume, setup, counts, check, crowding }

@@ -9,6 +9,7 @@ use cube3_inputs::Series;
 use cube3_machine::MachineSpec;
 use cube3_picture::Watch;
 use cube3_pipeline::{Machine, RunCounters, RunError, Timing};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// What the clock gave.
@@ -24,7 +25,7 @@ pub(crate) struct Clocked {
 pub(crate) fn clock(
     machine: &MachineSpec,
     series: &mut Series,
-    (setups, pictures): (Vec<FrameSetup>, Vec<u32>),
+    (setups, pictures): (Vec<Arc<FrameSetup>>, Vec<u32>),
     port: Option<PortSpec>,
     runs: Runs,
     run: &mut MachineRun,

@@ -14,6 +14,7 @@ use cube3_channel::{
 use cube3_frame::{FrameSetup, Schedule};
 use cube3_machine::MachineSpec;
 use serde::{Deserialize, Serialize};
+use std::borrow::Borrow;
 use std::ops::Range;
 
 /// What the bus does with a beam: turns or gathers its voxels, or nothing where only time counts.
@@ -205,7 +206,7 @@ impl<B: Align> BusUnit<B> {
     #[inline]
     pub fn tick(
         &mut self,
-        frames: &[FrameSetup],
+        frames: &[impl Borrow<FrameSetup>],
         beams: &mut Channel<Beam<B::Input>>,
         aligned: &mut Channel<Beam<B::Output>>,
         links: Option<&Links>,
@@ -218,7 +219,7 @@ impl<B: Align> BusUnit<B> {
     #[inline]
     fn step(
         &mut self,
-        frames: &[FrameSetup],
+        frames: &[impl Borrow<FrameSetup>],
         beams: &mut Channel<Beam<B::Input>>,
         aligned: &mut Channel<Beam<B::Output>>,
         links: Option<&Links>,
@@ -239,7 +240,7 @@ impl<B: Align> BusUnit<B> {
             if !self.crossing.is_empty() && !self.counted {
                 let place = [beam.plane, v, beam.depth].map(|i| i as usize);
                 let slots = self.specs[frame].schedule.sections().slots(beam.section as usize);
-                self.boards.beam_words(&frames[frame].geometry, slots, place, &mut self.crossing);
+                self.boards.beam_words(&frames[frame].borrow().geometry, slots, place, &mut self.crossing);
                 self.counted = true;
             }
             if self.state.spent >= needed {
@@ -273,14 +274,14 @@ impl<B: Align> BusUnit<B> {
         output.voxels = beam.voxels;
         if let Some(v) = beam.row {
             let at = [beam.plane, v, beam.depth].map(|i| i as usize);
-            let geometry = &frames[frame].geometry;
+            let geometry = &frames[frame].borrow().geometry;
             let sections = self.specs[frame].schedule.sections();
             let columns = if sections.is_whole() {
                 [0..geometry.size[0], 0..0]
             } else {
                 geometry.columns(sections.slots(beam.section as usize), at[2])
             };
-            self.wires.align(&frames[frame], at, &columns, &beam.data, &mut output.data);
+            self.wires.align(frames[frame].borrow(), at, &columns, &beam.data, &mut output.data);
             self.state.words += sent.words;
         }
         let empty = beam.row.is_none();

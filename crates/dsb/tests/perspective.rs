@@ -10,8 +10,9 @@ use cube3_host::{VolumeInfo, picture_setup};
 use cube3_machine::MachineSpec;
 use cube3_scene::{Perspective, Scene, View};
 use proptest::prelude::*;
+use std::sync::Arc;
 
-fn frames(machine: &MachineSpec, dims: [usize; 3], eye: [f64; 3], direction: [f64; 3]) -> Vec<FrameSetup> {
+fn frames(machine: &MachineSpec, dims: [usize; 3], eye: [f64; 3], direction: [f64; 3]) -> Vec<Arc<FrameSetup>> {
     let perspective = Perspective { eye_voxel: Some(eye), ..Perspective::new(90.0) };
     let view = View { perspective: Some(perspective), ..View::from_direction(direction, None) };
     let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };
@@ -124,7 +125,7 @@ fn a_near_eye_and_a_far_one() {
 fn a_saved_store_comes_back_into_one_of_its_size_and_no_other() {
     let lanes = 5;
     let machine = MachineSpec { lanes, ..MachineSpec::default() };
-    let of = |n: usize| frames(&machine, [n; 3], [3.5, 3.5, -2.0], [0.0, 0.0, 1.0]).remove(0).geometry;
+    let of = |n: usize| frames(&machine, [n; 3], [3.5, 3.5, -2.0], [0.0, 0.0, 1.0]).remove(0).geometry.clone();
     let geometry = of(8);
     let [slots, _] = geometry.slot_counts();
     let mut store = PlaneStore::new(Schedule::of(&geometry, lanes, None), 2);

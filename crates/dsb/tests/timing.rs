@@ -16,6 +16,7 @@ use cube3_frame::{FrameSetup, FrameShape, Schedule};
 use cube3_host::{VolumeInfo, picture_setup};
 use cube3_machine::{Bus, MachineSpec};
 use cube3_scene::{Perspective, Scene, View};
+use std::sync::Arc;
 
 /// A frame of `frame_planes` planes of n beams and n ray slots on n lanes.
 fn shape(n: u32, frame_planes: u32) -> FrameShape {
@@ -354,7 +355,7 @@ fn a_beam_waits_for_the_slices_that_its_words_need() {
 }
 
 /// The pass along +z of an eye before the middle of a cube.
-fn seen_from(machine: &MachineSpec, n: usize, distance: f64) -> FrameSetup {
+fn seen_from(machine: &MachineSpec, n: usize, distance: f64) -> Arc<FrameSetup> {
     let middle = (n as f64 - 1.0) * 0.5;
     let perspective = Perspective { eye_voxel: Some([middle, middle, -distance]), ..Perspective::new(90.0) };
     let view = View { perspective: Some(perspective), ..View::from_direction([0.0, 0.0, 1.0], None) };

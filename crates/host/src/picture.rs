@@ -9,13 +9,14 @@ use cube3_frame::{Axes, FrameSetup, Geometry, PassShape};
 use cube3_machine::MachineSpec;
 use cube3_plan::{Item, Plan, Rules};
 use cube3_scene::{ImagePlane, Scene, ViewFrame};
+use std::sync::Arc;
 
 /// The frames of a picture as the host has set them up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureFrames {
     /// Registers and tables: one frame for a parallel view; for an eye one for each pass, that of the view's direction first. None
     /// where no ray of the picture comes near the volume.
-    pub setups: Vec<FrameSetup>,
+    pub setups: Vec<Arc<FrameSetup>>,
     /// The picture's axes.
     pub view: ViewFrame,
     /// The picture's pixels.
@@ -42,7 +43,13 @@ pub fn picture_setup(
     let plane = ImagePlane::new(scene, &view, volume.dims, volume.spacing);
     let Some(eye_world) = plane.eye else {
         let frame = frame_setup(scene, machine, volume, rules)?;
-        return Ok(PictureFrames { setups: vec![frame.setup], view, plane, eye_voxel: None, left_out: frame.left_out });
+        return Ok(PictureFrames {
+            setups: vec![Arc::new(frame.setup)],
+            view,
+            plane,
+            eye_voxel: None,
+            left_out: frame.left_out,
+        });
     };
     check_perspective(scene, machine)?;
     let given = scene.view.perspective.and_then(|perspective| perspective.eye_voxel);
@@ -71,7 +78,7 @@ pub fn picture_setup(
         let Some(geometry) = geometry else {
             continue;
         };
-        frames.setups.push(registers(scene, machine, volume, &plan, &view, geometry));
+        frames.setups.push(Arc::new(registers(scene, machine, volume, &plan, &view, geometry)));
     }
     frames.left_out = plan.items(machine, scene.lights.len(), &frames.setups);
     Ok(frames)

@@ -7,6 +7,7 @@ use cube3_scene::{Crop, Cut, DepthCue, Layer, Light, Mode, Perspective, Scene, T
 use cube3_word::{Words, unit_full, unit_resize};
 use glam::DVec3;
 use proptest::prelude::*;
+use std::sync::Arc;
 
 /// A window of data values of which neither end is 0.
 const WINDOW: [f64; 2] = [-1000.0, 3095.0];
@@ -35,7 +36,7 @@ fn from_eye(eye: [f64; 3]) -> Scene {
 }
 
 /// The setup of the pass along z.
-fn along_z(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo) -> FrameSetup {
+fn along_z(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo) -> Arc<FrameSetup> {
     machine.check("machine").unwrap();
     let setups = picture_setup(scene, machine, volume, true).unwrap().setups;
     setups.into_iter().find(|setup| setup.geometry.axes.axis[2] == 2).unwrap()

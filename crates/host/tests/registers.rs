@@ -7,6 +7,7 @@ use cube3_scene::{Crop, Cut, DepthCue, Layer, Light, Mode, Perspective, Scene, T
 use cube3_word::Words;
 use glam::DVec3;
 use proptest::prelude::*;
+use std::sync::Arc;
 
 fn volume(dims: [usize; 3], spacing: [f64; 3]) -> VolumeInfo {
     VolumeInfo { dims, spacing, window: [0.0, 255.0] }
@@ -68,7 +69,7 @@ fn parallel(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo) -> FrameS
     frame_setup(scene, machine, volume, true).unwrap().setup
 }
 
-fn setups(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo) -> Vec<FrameSetup> {
+fn setups(scene: &Scene, machine: &MachineSpec, volume: &VolumeInfo) -> Vec<Arc<FrameSetup>> {
     machine.check("machine").unwrap();
     picture_setup(scene, machine, volume, true).unwrap().setups
 }

@@ -7,6 +7,7 @@ use cube3_scene::{Crop, Cut, DepthCue, Layer, Light, Mode, Perspective, Scene, V
 use cube3_word::Words;
 use serde_json::Value;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// Numbers of which others are legal as well, or make other fields wrong that are then named: the least and the most that one can be in any
 /// of the setups. `[]` stands for any entry.
@@ -136,7 +137,7 @@ fn seen_from(eye: [f64; 3], scene: Scene) -> Scene {
 }
 
 /// Setups that together have every field.
-fn setups() -> Vec<(&'static str, FrameSetup)> {
+fn setups() -> Vec<(&'static str, Arc<FrameSetup>)> {
     let volume = VolumeInfo { dims: [4, 5, 6], spacing: [1.0, 1.25, 1.5], window: [0.0, 255.0] };
     let with = |shading, ends| MachineSpec {
         abc: Abc { shading, ..machine().abc },
@@ -261,7 +262,7 @@ impl Changed<'_> {
 fn every_leaf_that_is_made_impossible_is_refused_by_its_name() {
     let (mut seen, mut wrong) = (BTreeSet::new(), Vec::new());
     for (name, setup) in setups() {
-        let mut json = serde_json::to_value(&setup).unwrap();
+        let mut json = serde_json::to_value(&*setup).unwrap();
         let mut all = Vec::new();
         places(&json, &mut Vec::new(), &mut all);
         for steps in &all {
@@ -375,7 +376,7 @@ fn a_message_has_place_path_value_and_what_would_be_right() {
     }
     let error = FrameSetup::from_json("{\"schema\": -1}", "frame.json").unwrap_err();
     assert!(error.to_string().starts_with("frame.json: schema: invalid value: integer `-1`, expected u32"), "{error}");
-    let text = serde_json::to_string(parallel).unwrap() + "}";
+    let text = serde_json::to_string(&**parallel).unwrap() + "}";
     let error = FrameSetup::from_json(&text, "frame.json").unwrap_err();
     assert!(error.to_string().starts_with("frame.json: the setup: trailing characters"), "{error}");
 }

@@ -76,7 +76,7 @@ fn shown(
         picture: Picture::new(plane.width, plane.height, pixels)?,
         phases,
         samples: geometries.map(Geometry::sample_count).sum(),
-        bytes: 2 * words.words.len() as u64 + frames.setups.iter().map(table_bytes).sum::<u64>(),
+        bytes: 2 * words.words.len() as u64 + frames.setups.iter().map(|setup| table_bytes(setup)).sum::<u64>(),
         bound: None,
     })
 }

@@ -13,6 +13,7 @@ use cube3_frame::FrameSetup;
 use cube3_machine::MachineSpec;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
+use std::borrow::Borrow;
 use std::io::Read;
 use std::path::Path;
 
@@ -92,7 +93,7 @@ impl RunIdentity {
     pub fn new(
         fidelity: &str,
         machine: &MachineSpec,
-        frames: &[FrameSetup],
+        frames: &[impl Borrow<FrameSetup>],
         dims: [usize; 3],
         words: &[u16],
     ) -> RunIdentity {
@@ -110,7 +111,7 @@ impl RunIdentity {
         RunIdentity {
             fidelity: fidelity.to_owned(),
             machine: text(serde_json::to_string(machine)),
-            frames: text(serde_json::to_string(frames)),
+            frames: text(serde_json::to_string(&frames.iter().map(Borrow::borrow).collect::<Vec<&FrameSetup>>())),
             volume: volume.finalize().into(),
         }
     }

@@ -10,6 +10,7 @@ use cube3_cone::{PixelCounts, PixelGroup, Pixels};
 use cube3_frame::{BasePlane, FrameSetup, Schedule};
 use cube3_machine::MachineSpec;
 use serde::{Deserialize, Serialize};
+use std::borrow::Borrow;
 
 /// What the host does with pixels.
 pub trait Collect: Archived {
@@ -126,13 +127,13 @@ impl<C: Collect> HostPort<C> {
 
     /// One cycle. `frames` are the registers of all frames.
     #[inline]
-    pub fn tick(&mut self, frames: &[FrameSetup], pixels: &mut Channel<PixelGroup<C::Input>>) -> Activity {
+    pub fn tick(&mut self, frames: &[impl Borrow<FrameSetup>], pixels: &mut Channel<PixelGroup<C::Input>>) -> Activity {
         let activity = self.step(frames, pixels);
         self.account.record(activity)
     }
 
     #[inline]
-    fn step(&mut self, frames: &[FrameSetup], pixels: &mut Channel<PixelGroup<C::Input>>) -> Activity {
+    fn step(&mut self, frames: &[impl Borrow<FrameSetup>], pixels: &mut Channel<PixelGroup<C::Input>>) -> Activity {
         let Some(group) = pixels.front() else {
             if let Some(link) = &mut self.state.link {
                 link.rest();
@@ -151,7 +152,7 @@ impl<C: Collect> HostPort<C> {
             link.finish(bytes);
             self.state.spent = 0;
         }
-        frame.collector.collect(&frames[group.frame as usize], &group.data);
+        frame.collector.collect(frames[group.frame as usize].borrow(), &group.data);
         pixels.pop_slot();
         self.state.arrived += 1;
         self.state.total += 1;

@@ -17,6 +17,7 @@ use cube3_frame::{FrameSetup, Schedule};
 use cube3_machine::{ChannelSize, Channels, MachineSpec};
 use cube3_trilin::SampleRay;
 use serde::{Deserialize, Serialize};
+use std::borrow::Borrow;
 
 /// Words that rays send over the links, all links and both directions together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -245,14 +246,15 @@ impl Archived for Traffic {
 
 /// The channels with what boards and the kind of cone add: a beam may go to the farthest board, samples to the lanes beside, as far as a gradient of
 /// one of the frames reads; room for the tokens on their way comes with it.
-pub fn channels(machine: &MachineSpec, frames: &[FrameSetup]) -> Channels {
+pub fn channels(machine: &MachineSpec, frames: &[impl Borrow<FrameSetup>]) -> Channels {
     let spec = BoardSpec::new(machine);
     let farther = |size: ChannelSize, hops: usize| {
         let more = hops as u64 * spec.latency;
         ChannelSize { capacity: size.capacity + more as usize, latency: size.latency + more }
     };
     let sizes = machine.channel;
-    let reach = frames.iter().map(frame_reach).fold(reach(machine.abc.gradient, 1, false), usize::max);
+    let reach =
+        frames.iter().map(|setup| frame_reach(setup.borrow())).fold(reach(machine.abc.gradient, 1, false), usize::max);
     Channels {
         aligned: farther(sizes.aligned, spec.diameter()),
         samples: farther(sizes.samples, spec.neighbour_hops(1)),

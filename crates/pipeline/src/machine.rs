@@ -22,6 +22,7 @@ use cube3_dsb::{DsbSpec, DsbUnit, LinkReading, NoPlanes, PlaneStore, RayPair, Ro
 use cube3_frame::{BasePlane, FrameSetup, Overflows, Schedule};
 use cube3_machine::{AcquisitionMode, ChannelSize, MachineSpec};
 use cube3_trilin::{Interpolate, Interpolator, NoSamples, RaySamples, SampleRay, TrilinUnit};
+use std::sync::Arc;
 
 /// Units of a machine, a unit with two ports counted twice.
 pub const UNITS: usize = 8;
@@ -44,7 +45,7 @@ pub struct Joint {
 
 /// A machine with the registers of the frames that it is to render, one after another.
 pub struct Machine<F: Fidelity> {
-    frames: Vec<FrameSetup>,
+    frames: Vec<Arc<FrameSetup>>,
     schedules: Vec<Schedule>,
     /// Ray slots of all frames.
     slots: u64,
@@ -228,7 +229,7 @@ impl Machine<Timing> {
     ///
     /// # Errors
     /// A channel that cannot be built, a reorder buffer that is too small.
-    pub fn timing(machine: &MachineSpec, frames: Vec<FrameSetup>) -> Result<Machine<Timing>, RunError> {
+    pub fn timing(machine: &MachineSpec, frames: Vec<impl Into<Arc<FrameSetup>>>) -> Result<Machine<Timing>, RunError> {
         let parts =
             |_: &FrameSetup, _: Schedule| Parts { dsb: NoPlanes, trilin: NoSamples, abc: NoShading, host: NoHost };
         Machine::assemble(machine, frames, NoVoxels, NoBus, NoPixels, parts)
@@ -242,7 +243,7 @@ impl Machine<Cycle> {
     /// A channel that cannot be built, a reorder buffer that is too small, and a skew that needs too much memory.
     pub fn cycle(
         machine: &MachineSpec,
-        frames: Vec<FrameSetup>,
+        frames: Vec<impl Into<Arc<FrameSetup>>>,
         dims: [usize; 3],
         voxels: &[u16],
     ) -> Result<Machine<Cycle>, RunError> {
@@ -324,12 +325,13 @@ impl<F: Fidelity> Machine<F> {
 
     fn assemble(
         machine: &MachineSpec,
-        frames: Vec<FrameSetup>,
+        frames: Vec<impl Into<Arc<FrameSetup>>>,
         memory: F::Cfb,
         wires: F::Bus,
         nodes: F::Cone,
         parts: impl Fn(&FrameSetup, Schedule) -> Parts<F>,
     ) -> Result<Machine<F>, RunError> {
+        let frames: Vec<Arc<FrameSetup>> = frames.into_iter().map(Into::into).collect();
         let sizes = channels(machine, &frames);
         let [beams, aligned, rays, samples, shaded, pixels] = Self::JOINTS.map(|joint| joint.channel);
         let mut dsb = Vec::new();
@@ -339,7 +341,7 @@ impl<F: Fidelity> Machine<F> {
         let mut samples = channel(samples, sizes.samples)?;
         let mut shaded = channel(shaded, sizes.shaded)?;
         let schedules: Vec<Schedule> = frames.iter().map(|setup| Schedule::new(machine, &setup.geometry)).collect();
-        let planned = || frames.iter().zip(schedules.iter().copied());
+        let planned = || frames.iter().map(Arc::as_ref).zip(schedules.iter().copied());
         for (setup, schedule) in planned() {
             let parts = parts(setup, schedule);
             if dsb.is_empty() {

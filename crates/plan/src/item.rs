@@ -4,6 +4,7 @@ use crate::{Plan, Rule, RuleRow, Savings};
 use cube3_frame::{FrameSetup, GradientScale, HalfSpace, LinearFactor, Normaliser, Schedule};
 use cube3_machine::{MachineSpec, OperatorCounts, RaySlots, ShadingUnit, operators};
 use cube3_scene::MOST_LIGHTS;
+use std::borrow::Borrow;
 
 /// Something that was left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,9 +27,10 @@ impl Item {
 impl Plan {
     /// What was left out of a picture's frames on a machine, in all of them, in the order of the rules. In perspective a picture has up to
     /// six frames, and those that it does not need are an item.
-    pub fn items(&self, machine: &MachineSpec, lights: usize, frames: &[FrameSetup]) -> Vec<Item> {
+    pub fn items(&self, machine: &MachineSpec, lights: usize, frames: &[impl Borrow<FrameSetup>]) -> Vec<Item> {
+        let frames: Vec<&FrameSetup> = frames.iter().map(Borrow::borrow).collect();
         let mut items: Option<Vec<Item>> = None;
-        for setup in frames {
+        for &setup in &frames {
             let of_frame = Frame { plan: self, machine, lights, setup }.items();
             items = Some(match items {
                 None => of_frame,

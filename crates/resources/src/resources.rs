@@ -12,16 +12,18 @@ use cube3_machine::{
 use cube3_pipeline::RunCounters;
 use cube3_report::{InterfaceReport, LinesReport, MemoryBits, OperatorsReport, ResourcesReport};
 use cube3_scene::MOST_LIGHTS;
+use std::borrow::Borrow;
 
 /// Counts a machine's resources for a volume of `dims` voxels, and what flowed through its interfaces in a run of `frames`. `interval`
 /// is the cycles from a frame to the next.
 pub fn resources(
     machine: &MachineSpec,
     dims: [usize; 3],
-    frames: &[FrameSetup],
+    frames: &[impl Borrow<FrameSetup>],
     counters: &RunCounters,
     interval: u64,
 ) -> ResourcesReport {
+    let frames: &[&FrameSetup] = &frames.iter().map(Borrow::borrow).collect::<Vec<_>>();
     let operators = operators(machine, frames);
     let total: OperatorCounts = operators.iter().map(|part| part.each.times(part.count)).sum();
     let interfaces = interfaces(machine, frames, counters);
@@ -41,7 +43,8 @@ pub fn resources(
 
 /// Operators of each part of a machine that renders `frames`, which hold how many lights there are and which bits of the scaled gradients
 /// are kept; without any, one light and none.
-pub fn operators(machine: &MachineSpec, frames: &[FrameSetup]) -> Vec<OperatorsReport> {
+pub fn operators(machine: &MachineSpec, frames: &[impl Borrow<FrameSetup>]) -> Vec<OperatorsReport> {
+    let frames: &[&FrameSetup] = &frames.iter().map(Borrow::borrow).collect::<Vec<_>>();
     let words = &machine.words;
     let lanes = machine.lanes as u64;
     let mut parts = Vec::new();
@@ -101,19 +104,20 @@ pub fn operators(machine: &MachineSpec, frames: &[FrameSetup]) -> Vec<OperatorsR
 }
 
 /// Lights that the shading units hold: those of the frames, or one.
-fn lights(frames: &[FrameSetup]) -> u64 {
+fn lights(frames: &[&FrameSetup]) -> u64 {
     let of = |setup: &FrameSetup| match &setup.shading {
         Some(Shading::Phong(phong)) => phong.lights.len(),
         _ => 0,
     };
-    frames.iter().map(of).max().unwrap_or(0).clamp(1, MOST_LIGHTS) as u64
+    frames.iter().copied().map(of).max().unwrap_or(0).clamp(1, MOST_LIGHTS) as u64
 }
 
 /// What [`memory`] calls the frame buffer.
 pub const FRAME_BUFFER: &str = "frame buffer";
 
 /// Bits of memory, by what they hold.
-pub fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSetup]) -> Vec<MemoryBits> {
+pub fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[impl Borrow<FrameSetup>]) -> Vec<MemoryBits> {
+    let frames: &[&FrameSetup] = &frames.iter().map(Borrow::borrow).collect::<Vec<_>>();
     let words = &machine.words;
     let voxels: u64 = dims.iter().map(|&n| n as u64).product();
     let mut memory = Vec::new();
@@ -142,7 +146,7 @@ pub fn memory(machine: &MachineSpec, dims: [usize; 3], frames: &[FrameSetup]) ->
     // where a frame has sections, which overlap likewise.
     let twice = if machine.frames.overlap { 2 } else { 1 };
     let schedule = |setup: &FrameSetup| Schedule::new(machine, &setup.geometry);
-    let most = |of: &dyn Fn(&FrameSetup) -> u64| frames.iter().map(of).max().unwrap_or(0);
+    let most = |of: &dyn Fn(&FrameSetup) -> u64| frames.iter().copied().map(of).max().unwrap_or(0);
     let overlap = machine.frames.overlap;
     let planes = most(&|setup| {
         let schedule = schedule(setup);
@@ -270,7 +274,7 @@ fn pixel_bits(machine: &MachineSpec) -> u64 {
 }
 
 /// Bytes through each interface; the memory's first.
-fn interfaces(machine: &MachineSpec, frames: &[FrameSetup], counters: &RunCounters) -> Vec<InterfaceReport> {
+fn interfaces(machine: &MachineSpec, frames: &[&FrameSetup], counters: &RunCounters) -> Vec<InterfaceReport> {
     let words = &machine.words;
     let lanes = machine.lanes as f64;
     let clock = machine.clock_hz;
@@ -278,7 +282,7 @@ fn interfaces(machine: &MachineSpec, frames: &[FrameSetup], counters: &RunCounte
     let bytes = |bits: u32| f64::from(bits) / 8.0;
     let (voxel, sample) = (bytes(words.voxel_bits), bytes(words.sample_bits()));
     let shaded = bytes(3 * words.colour_bits + words.opacity_bits);
-    let sum = |of: &dyn Fn(&FrameSetup) -> f64| frames.iter().map(of).sum::<f64>();
+    let sum = |of: &dyn Fn(&FrameSetup) -> f64| frames.iter().copied().map(of).sum::<f64>();
     let beam = frames.first().map_or(0.0, |setup| setup.geometry.size[0] as f64);
     let slots = |setup: &FrameSetup| Schedule::new(machine, &setup.geometry).ray_slots() as f64;
     let depths = |setup: &FrameSetup| setup.geometry.size[2] as f64;
@@ -289,7 +293,7 @@ fn interfaces(machine: &MachineSpec, frames: &[FrameSetup], counters: &RunCounte
     // Voxels that a ray brings for each depth: of two planes, or a cell of its own.
     let corners_of = |setup: &FrameSetup| if setup.geometry.doubled() { 4.0 } else { 2.0 };
     let corners = sum(&|setup| corners_of(setup) * slots(setup) * depths(setup));
-    let most_corners = frames.iter().map(corners_of).fold(2.0, f64::max);
+    let most_corners = frames.iter().copied().map(corners_of).fold(2.0, f64::max);
     let interface = |name: &str, peak: Option<f64>, total: f64| InterfaceReport {
         name: name.into(),
         peak_bytes_per_s: peak,

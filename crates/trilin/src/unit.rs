@@ -13,6 +13,7 @@ use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel,
 use cube3_dsb::RayPair;
 use cube3_frame::{FrameSetup, Schedule};
 use serde::{Deserialize, Serialize};
+use std::borrow::Borrow;
 
 /// A slot of continuous rays.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -99,7 +100,7 @@ impl<I: Interpolate> TrilinUnit<I> {
     #[inline]
     pub fn tick(
         &mut self,
-        frames: &[FrameSetup],
+        frames: &[impl Borrow<FrameSetup>],
         rays: &mut Channel<RayPair<I::Input>>,
         samples: &mut Channel<SampleRay<I::Output>>,
     ) -> Activity {
@@ -110,7 +111,7 @@ impl<I: Interpolate> TrilinUnit<I> {
     #[inline]
     fn step(
         &mut self,
-        frames: &[FrameSetup],
+        frames: &[impl Borrow<FrameSetup>],
         rays: &mut Channel<RayPair<I::Input>>,
         samples: &mut Channel<SampleRay<I::Output>>,
     ) -> Activity {
@@ -150,7 +151,7 @@ impl<I: Interpolate> TrilinUnit<I> {
         }
         let last = schedule.is_last_slot(slot);
         if let Some(pair) = rays.pop_slot() {
-            arithmetic.take(&frames[frame as usize], pair);
+            arithmetic.take(frames[frame as usize].borrow(), pair);
         }
         self.state.spent = 0;
         if slot > 0
@@ -165,12 +166,17 @@ impl<I: Interpolate> TrilinUnit<I> {
     }
 
     #[inline(always)]
-    fn give(&mut self, frames: &[FrameSetup], [frame, plane, slot]: [u32; 3], output: &mut SampleRay<I::Output>) {
+    fn give(
+        &mut self,
+        frames: &[impl Borrow<FrameSetup>],
+        [frame, plane, slot]: [u32; 3],
+        output: &mut SampleRay<I::Output>,
+    ) {
         output.frame = frame;
         output.plane = plane;
         output.slot = slot;
         let (_, arithmetic) = &mut self.frames[frame as usize];
-        arithmetic.give(&frames[frame as usize], plane as usize, slot as usize, &mut output.data);
+        arithmetic.give(frames[frame as usize].borrow(), plane as usize, slot as usize, &mut output.data);
         self.state.given += 1;
     }
 

@@ -17,6 +17,7 @@ use cube3_pipeline::{Machine, RunError, Timing};
 use cube3_trace::{self as trace, Recorder};
 use cube3_trilin::golden::lift;
 use std::ops::ControlFlow::{self, Break, Continue};
+use std::sync::Arc;
 
 /// Most rays that share a slot of the unit `cone`.
 const RAYS: usize = 3;
@@ -30,7 +31,7 @@ pub struct Run<'a> {
     /// The machine.
     pub machine: &'a MachineSpec,
     /// The registers of its frames.
-    pub frames: &'a [FrameSetup],
+    pub frames: &'a [Arc<FrameSetup>],
     /// Voxels along x, y, z.
     pub dims: [usize; 3],
     /// Voxel words.

@@ -7,6 +7,7 @@ use cube3_channel::{Activity, ClockDomain};
 use cube3_frame::{FrameSetup, Geometry};
 use cube3_machine::{ControllerKind, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryModel, MemoryType};
 use serde::{Deserialize, Serialize};
+use std::borrow::Borrow;
 use std::collections::VecDeque;
 use std::ops::Range;
 
@@ -115,11 +116,17 @@ impl Modules {
 
     /// Asks for words ahead of the scan, in frames before `released`.
     #[inline]
-    pub(crate) fn ask(&self, state: &mut MemoryState, frames: &[FrameSetup], specs: &[CfbSpec], released: u32) {
+    pub(crate) fn ask(
+        &self,
+        state: &mut MemoryState,
+        frames: &[impl Borrow<FrameSetup>],
+        specs: &[CfbSpec],
+        released: u32,
+    ) {
         let last = released.min(specs.len() as u32);
         while self.room(state) && state.ahead.frame < last {
             let Scan { frame, place, spent } = state.ahead;
-            let geometry = &frames[frame as usize].geometry;
+            let geometry = &frames[frame as usize].borrow().geometry;
             let spec = &specs[frame as usize];
             let piece = Piece::at(place, geometry, &spec.schedule);
             let cycles = spec.piece_cycles(piece.as_ref());

@@ -18,6 +18,7 @@ use cube3_channel::{Activity, ClockDomain};
 use cube3_frame::{FrameSetup, Geometry};
 use cube3_machine::{Layout, LookAheadFreed, LookAheadUnit, MachineSpec};
 use serde::{Deserialize, Serialize};
+use std::borrow::Borrow;
 use std::collections::VecDeque;
 use std::ops::Range;
 
@@ -156,7 +157,11 @@ impl BlockModules {
     ///
     /// # Errors
     /// A reorder buffer that cannot hold what a beam of some frame needs.
-    pub fn new(machine: &MachineSpec, frames: &[FrameSetup], dims: [usize; 3]) -> Result<BlockModules, ReorderError> {
+    pub fn new(
+        machine: &MachineSpec,
+        frames: &[impl Borrow<FrameSetup>],
+        dims: [usize; 3],
+    ) -> Result<BlockModules, ReorderError> {
         let (words, timing) = (reorder_words(machine, frames)?, Timing::of(machine));
         let (lanes, banks) = (machine.lanes, timing.banks());
         let skew = Skew { coefficients: machine.cfb.skew, lanes };
@@ -207,7 +212,13 @@ impl BlockModules {
 
     /// Has each module ask for bursts as far ahead as it may, in frames before `released`.
     #[inline]
-    pub(crate) fn ask(&self, state: &mut BlockState, frames: &[FrameSetup], specs: &[CfbSpec], released: u32) {
+    pub(crate) fn ask(
+        &self,
+        state: &mut BlockState,
+        frames: &[impl Borrow<FrameSetup>],
+        specs: &[CfbSpec],
+        released: u32,
+    ) {
         let released = released.min(frames.len() as u32);
         if state.held.is_some_and(|held| held != released) {
             state.wake_all();
@@ -229,7 +240,7 @@ impl BlockModules {
         &self,
         state: &mut BlockState,
         module: usize,
-        frames: &[FrameSetup],
+        frames: &[impl Borrow<FrameSetup>],
         specs: &[CfbSpec],
         released: u32,
     ) -> i64 {
@@ -246,7 +257,7 @@ impl BlockModules {
                 return i64::MAX;
             };
             let frame = state.rows[place].frame as usize;
-            self.read(state, module, place, mini, &frames[frame].geometry);
+            self.read(state, module, place, mini, &frames[frame].borrow().geometry);
         }
     }
 
@@ -275,7 +286,7 @@ impl BlockModules {
         &self,
         state: &mut BlockState,
         module: usize,
-        frames: &[FrameSetup],
+        frames: &[impl Borrow<FrameSetup>],
         specs: &[CfbSpec],
         released: u32,
     ) -> Option<(usize, usize)> {
@@ -287,7 +298,7 @@ impl BlockModules {
             let place = state.line[number] as usize;
             let row = &mut state.rows[place];
             let reader = &mut state.readers[module];
-            let geometry = &frames[row.frame as usize].geometry;
+            let geometry = &frames[row.frame as usize].borrow().geometry;
             let mini = match reader.mini {
                 Some(mini) => Some(mini as usize),
                 None => {
@@ -314,10 +325,16 @@ impl BlockModules {
     }
 
     /// Puts the next row, or part of one, that some beam uses first into the line, where there is one and the buffer has room for it.
-    fn admit(&self, state: &mut BlockState, frames: &[FrameSetup], specs: &[CfbSpec], released: u32) -> bool {
+    fn admit(
+        &self,
+        state: &mut BlockState,
+        frames: &[impl Borrow<FrameSetup>],
+        specs: &[CfbSpec],
+        released: u32,
+    ) -> bool {
         while state.ahead.frame < released {
             let frame = state.ahead.frame as usize;
-            let (geometry, schedule) = (&frames[frame].geometry, &specs[frame].schedule);
+            let (geometry, schedule) = (&frames[frame].borrow().geometry, &specs[frame].schedule);
             let at = At { geometry, schedule, place: state.ahead.place };
             // In order: the rows of mini-blocks, and of each up to two parts.
             let begun = state.ahead.spent as usize;
@@ -513,10 +530,10 @@ impl BlockModules {
 ///
 /// # Errors
 /// Fewer than a beam needs.
-pub fn reorder_words(machine: &MachineSpec, frames: &[FrameSetup]) -> Result<u64, ReorderError> {
+pub fn reorder_words(machine: &MachineSpec, frames: &[impl Borrow<FrameSetup>]) -> Result<u64, ReorderError> {
     let mut most = ReorderNeed::default();
     for setup in frames {
-        let need = ReorderNeed::new(machine, &setup.geometry);
+        let need = ReorderNeed::new(machine, &setup.borrow().geometry);
         (most.least, most.steady) = (most.least.max(need.least), most.steady.max(need.steady));
     }
     let words = machine.cfb.reorder_words.unwrap_or(most.steady);

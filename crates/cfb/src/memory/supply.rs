@@ -7,6 +7,7 @@ use cube3_channel::Activity;
 use cube3_frame::{FrameSetup, Geometry};
 use cube3_machine::{Layout, MachineSpec};
 use serde::{Deserialize, Serialize};
+use std::borrow::Borrow;
 
 /// Memory modules that do not give any word in any cycle, and how they are read.
 #[derive(Clone, Debug)]
@@ -29,8 +30,8 @@ impl Supply {
     ///
     /// # Errors
     /// A reorder buffer that is too small for a frame.
-    pub fn new(machine: &MachineSpec, frames: &[FrameSetup]) -> Result<Option<Supply>, ReorderError> {
-        let Some(dims) = frames.first().map(|setup| setup.geometry.dims()) else {
+    pub fn new(machine: &MachineSpec, frames: &[impl Borrow<FrameSetup>]) -> Result<Option<Supply>, ReorderError> {
+        let Some(dims) = frames.first().map(|setup| setup.borrow().geometry.dims()) else {
             return Ok(None);
         };
         Ok(match machine.cfb.layout {
@@ -48,7 +49,13 @@ impl Supply {
 
     /// Has the modules ask for words ahead of the scan, in frames before `released`.
     #[inline(never)]
-    pub(crate) fn ask(&self, state: &mut SupplyState, frames: &[FrameSetup], specs: &[CfbSpec], released: u32) {
+    pub(crate) fn ask(
+        &self,
+        state: &mut SupplyState,
+        frames: &[impl Borrow<FrameSetup>],
+        specs: &[CfbSpec],
+        released: u32,
+    ) {
         match (self, state) {
             (Supply::Beams(modules), SupplyState::Beams(state)) => modules.ask(state, frames, specs, released),
             (Supply::Blocks(modules), SupplyState::Blocks(state)) => modules.ask(state, frames, specs, released),

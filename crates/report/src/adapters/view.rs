@@ -50,7 +50,7 @@ pub fn view_report(
         perspective: frames.eye_voxel.map(|eye_voxel| PerspectiveReport {
             eye_voxel,
             field_of_view_deg: scene.view.perspective.map_or(0.0, |perspective| perspective.field_of_view_deg),
-            passes: frames.setups.iter().filter_map(pass_report).collect(),
+            passes: frames.setups.iter().filter_map(|setup| pass_report(setup)).collect(),
         }),
     })
 }
