@@ -33,6 +33,25 @@ pub struct RunResult {
 ///
 /// # Errors
 /// As [`run_frame`].
+///
+/// A machine that cannot move is told apart from everything else:
+///
+/// ```
+/// use cube3::{Error, Machine, RunOptions, Runs, Scene, load, run};
+/// use cube3_pipeline::RunError;
+/// use cube3_scene::VolumeSource;
+///
+/// let scene = Scene { volume: VolumeSource::from_phantom("sphere", 16), ..Scene::default() };
+/// let mut machine = Machine { lanes: 16, ..Machine::default() };
+/// machine.dsb.planes = 1;
+/// let volume = load(&scene, &machine)?;
+/// let options = RunOptions { runs: Runs::Timing, ..RunOptions::default() };
+/// match run(&scene, &machine, &volume, &options) {
+///     Err(Error::Run(RunError::Deadlock(deadlock))) => println!("{deadlock}"),
+///     other => panic!("one plane is too few: {:?}", other.map(|result| result.report.timing)),
+/// }
+/// # Ok::<(), Error>(())
+/// ```
 pub fn run(scene: &Scene, machine: &MachineSpec, volume: &LoadedVolume, options: &RunOptions) -> Outcome<RunResult> {
     run_frame(scene, machine, volume, options, &Stops::default(), &|_, _, _| {})
 }

@@ -188,7 +188,7 @@ fn threads(asked: Option<usize>) -> Outcome<usize> {
 fn on_threads<R: Send>(asked: Option<usize>, work: impl FnOnce() -> Outcome<R> + Send) -> Outcome<R> {
     let count = threads(asked)?;
     match asked {
-        Some(_) => rayon::ThreadPoolBuilder::new().num_threads(count).build()?.install(work),
+        Some(_) => cube3::on_threads(count, work),
         None => work(),
     }
 }

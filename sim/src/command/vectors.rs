@@ -8,6 +8,7 @@ use crate::problem::{Outcome, Problem};
 use clap::Args;
 use cube3::Runs;
 use cube3::memory::{self, Case, Grid};
+use cube3::verify::unit;
 use cube3_frame::BasePlane;
 use cube3_host::picture_setup;
 use cube3_inputs as inputs;
@@ -104,21 +105,6 @@ impl UnitArguments {
         match &self.unit {
             None => Ok(units()),
             Some(name) => Ok(vec![unit(name)?]),
-        }
-    }
-}
-
-/// The unit of a name.
-///
-/// # Errors
-/// No such unit, with the names that there are.
-pub fn unit(name: &str) -> Outcome<Box<dyn Unit>> {
-    let mut all = units();
-    match all.iter().position(|unit| unit.sheet().name == name) {
-        Some(place) => Ok(all.swap_remove(place)),
-        None => {
-            let names: Vec<&str> = units().iter().map(|unit| unit.sheet().name).collect();
-            Err(Problem::new(format!("there is no unit \"{name}\"; the units are {}", names.join(", "))))
         }
     }
 }

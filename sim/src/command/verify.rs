@@ -2,12 +2,13 @@
 
 use super::fits;
 use super::run::print;
-use super::vectors::{UnitArguments, unit};
+use super::vectors::UnitArguments;
 use super::words::WordsArguments;
 use crate::output::make_folder;
 use crate::problem::{Outcome, Problem};
 use clap::Args;
 use cube3::memory;
+use cube3::verify::{open_vectors, set_of, unit, verify_set};
 use cube3::write_waveform;
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_inputs as inputs;
@@ -18,20 +19,15 @@ use cube3_vectors::SetFiles;
 use cube3_vectors::around_mismatch;
 use cube3_vectors::compare::{Compared, explain};
 use cube3_vectors::{
-    Answer, AnswerReader, Comparison, Definition, FileError, Format, Lines, Mismatch, ResponsesError, Set, Tables,
-    Unit, VectorReader, ranges, word_formats,
+    Answer, Comparison, Definition, FileError, Format, Lines, Mismatch, Set, Unit, ranges, word_formats,
 };
 use cube3_word::{Words, unit_full};
 use rustix::process::{Pid, Signal, kill_process_group};
-use std::fs::File;
-use std::io::BufReader;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus};
 use std::time::{Duration, Instant};
 
-/// Lines of a waveform before and behind the mismatch.
-const AROUND: usize = 16;
 /// Bytes of the lines that the lanes are given at a time.
 const BLOCK_BYTES: usize = 4 << 20;
 /// Between two looks at a device that has a limit of time.
@@ -64,6 +60,15 @@ pub struct VerifyArguments {
     study: WordsArguments,
 }
 
+/// What drives a device: the unit, what its lines have in common, the file with them, how many they are, and their digest.
+struct Stimulus {
+    unit: Box<dyn Unit>,
+    set: Set,
+    path: PathBuf,
+    lines: usize,
+    digest: String,
+}
+
 impl VerifyArguments {
     /// Verifies, and prints what was found.
     ///
@@ -87,14 +92,15 @@ impl VerifyArguments {
             }
             return self.own();
         }
-        let (unit, set, path, lines) = self.stimulus()?;
+        let Stimulus { unit, set, path, lines, digest } = self.stimulus()?;
         let answers = match (&self.against, &self.dut) {
             (Some(answers), _) => answers.clone(),
             (None, Some(command)) => run_device(command, &self.out, &path, self.patience()?)?,
             (None, None) => return Ok(()),
         };
         let name = set.sheet.name;
-        let Some(mismatch) = self.mismatch(unit.as_ref(), &set, &path, &answers)? else {
+        let verdict = verify_set(unit.as_ref(), &set, &path, &answers, Some(&digest))?;
+        let Some(mismatch) = verdict.mismatch else {
             return print(&format!("{name}: all {lines} lines are equal, bit for bit\n"));
         };
         let wave = self.out.join(format!("{name}.fst"));
@@ -108,41 +114,6 @@ impl VerifyArguments {
         )))
     }
 
-    /// Where a file of answers differs first from the definition of the lines in a vector file.
-    fn mismatch(&self, unit: &dyn Unit, set: &Set, path: &Path, answers: &Path) -> Outcome<Option<Mismatch>> {
-        let place = |what: String| Problem::new(format!("{}: {what}", answers.display()));
-        let wrong = |error: ResponsesError| place(error.to_string());
-        let file = File::open(answers).map_err(|error| {
-            place(format!("{error}; give a text file with a line of output fields for each line of the vectors"))
-        })?;
-        let mut responses = AnswerReader::new(set, BufReader::new(file));
-        let (mut reader, mut definition) = (open_vectors(path)?, Definition::new(unit, set));
-        let mut comparison = Comparison::new(set, AROUND);
-        let (mut expected, mut found) = (0, 0);
-        loop {
-            let inputs = reader.inputs(set).map_err(|error| at(path, error))?;
-            let answers = responses.answers().map_err(wrong)?;
-            expected += usize::from(inputs.is_some());
-            found += usize::from(answers.is_some());
-            match (inputs, answers) {
-                (None, None) => break,
-                (Some(inputs), Some(answers)) => {
-                    let outputs = definition.answer(&inputs);
-                    comparison.push(Compared { inputs, outputs, answers });
-                }
-                _ => {}
-            }
-        }
-        if found != expected {
-            return Err(wrong(ResponsesError::Lines { found, expected }));
-        }
-        // A device could have changed what it was given.
-        if open_vectors(path)?.header().digest != Some(reader.digest(set)) {
-            return Err(at(path, FileError::Digest));
-        }
-        Ok(comparison.finish())
-    }
-
     /// How long the device may take.
     fn patience(&self) -> Outcome<Option<Duration>> {
         let Some(seconds) = self.dut_timeout else { return Ok(None) };
@@ -154,8 +125,8 @@ impl VerifyArguments {
         }
     }
 
-    /// What drives the device: the unit, what its lines have in common, the file with them and how many they are.
-    fn stimulus(&self) -> Outcome<(Box<dyn Unit>, Set, PathBuf, usize)> {
+    /// What drives the device.
+    fn stimulus(&self) -> Outcome<Stimulus> {
         let Some(path) = &self.vectors else {
             let name = self.unit.unit.as_deref().ok_or_else(|| {
                 Problem::new("--unit is missing: a device is compared with one unit; `cube3 vectors --list` names them")
@@ -169,23 +140,16 @@ impl VerifyArguments {
                 Lines::new(unit.as_ref(), &set)?.take(count).try_for_each(take)
             };
             let files = SetFiles::write(&self.out, unit.as_ref(), &set, None, lines)?;
-            return Ok((unit, set, files.keep()?, count));
+            let digest = files.written().digest.clone();
+            return Ok(Stimulus { unit, set, path: files.keep()?, lines: count, digest });
         };
         let mut reader = open_vectors(path)?;
         let header = reader.header().clone();
-        let unit = unit(&header.unit)?;
         if self.unit.unit.as_ref().is_some_and(|name| *name != header.unit) {
             return Err(at(path, format!("these are vectors of {}; leave out --unit", header.unit)));
         }
-        fits(&memory::set(unit.as_ref(), &header.format, false)?)?;
-        let mut tables = Tables::new();
-        for of in unit.sheet().tables {
-            // Beside the vectors, with the table's name before the extension.
-            let path = path.with_extension(format!("{}.hex", of.name));
-            let file = File::open(&path).map_err(|error| at(&path, error))?;
-            tables.push(header.table(&of, BufReader::new(file)).map_err(|error| at(&path, error))?);
-        }
-        let set = Set::with_tables(unit.as_ref(), header.format, header.seed, tables)?;
+        fits(&memory::set(unit(&header.unit)?.as_ref(), &header.format, false)?)?;
+        let (unit, set) = set_of(path)?;
         make_folder(&self.out, "--out")?;
         let files =
             SetFiles::write(&self.out, unit.as_ref(), &set, None, |take: &mut dyn FnMut(Vec<i128>) -> Outcome<()>| {
@@ -203,8 +167,8 @@ impl VerifyArguments {
         if header.digest.is_some_and(|digest| digest != written.digest) {
             return Err(at(path, FileError::Digest));
         }
-        let lines = written.lines;
-        Ok((unit, set, files.keep()?, lines))
+        let (lines, digest) = (written.lines, written.digest.clone());
+        Ok(Stimulus { unit, set, path: files.keep()?, lines, digest })
     }
 
     /// Our own lanes against the definition, and wires against their ranges.
@@ -279,12 +243,6 @@ impl VerifyArguments {
 /// A problem in a file.
 fn at(path: &Path, what: impl std::fmt::Display) -> Problem {
     Problem::new(format!("{}: {what}", path.display()))
-}
-
-fn open_vectors(path: &Path) -> Outcome<VectorReader<BufReader<File>>> {
-    let file =
-        File::open(path).map_err(|error| at(path, format!("{error}; give a file that `cube3 vectors` wrote")))?;
-    VectorReader::new(BufReader::new(file)).map_err(|error| at(path, error))
 }
 
 /// The first `count` lines of a set by the unit's lanes against its definition: where they differ first, and how many were compared.
