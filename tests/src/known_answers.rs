@@ -3,18 +3,14 @@
 //! All volumes are cubes of [`SIDE`] voxels of unit spacing, white over black, not lit. An answer is asked of the pixels whose rays enter
 //! through the front face and leave through the back one, two voxels from the others, so that rays of the base plane beside them do so too.
 
-use cube3_frame::{BasePlane, FrameSetup, Geometry};
-use cube3_function::{CanonicalVolume, render};
-use cube3_host::{PictureFrames, VolumeInfo, picture_setup, warp_passes};
+use cube3_inputs::{LoadedVolume, to_words};
 use cube3_machine::{MachineSpec, RayEnds, Rays, TemplateRule};
-use cube3_pipeline::Machine;
-use cube3_reference::{ImageOrderOptions, image_order};
+use cube3_method::{Choice, Method, RenderError, Subject};
+use cube3_rendering::MethodError;
 use cube3_scene::{ColourPoint, Cut, Image, ImagePlane, Mode, Perspective, Scene, View};
-use cube3_twin::{DiscreteOptions, Interpolation, discrete};
 use cube3_volume::{Samples, Volume};
 use cube3_word::Words;
 use glam::DVec3;
-use std::sync::Arc;
 
 /// Voxels along each axis.
 pub const SIDE: usize = 25;
@@ -70,33 +66,13 @@ impl Chord {
     }
 }
 
-/// A way to make pictures.
-pub struct Method {
-    /// Its name.
-    pub name: &'static str,
-    /// Whether it has words.
-    pub words: bool,
-    /// Whether it has rays from an eye.
-    pub eyes: bool,
-    /// The picture, row-major from the top left, of a view that it serves.
-    pub picture: fn(&Question) -> Vec<f64>,
-}
+/// Methods with words; the others have reals.
+const IN_WORDS: [&str; 2] = ["function", "cycle"];
 
-impl Method {
-    /// Whether it makes pictures of such a view.
-    pub fn serves(&self, question: &Question) -> bool {
-        self.eyes || question.scene.view.perspective.is_none()
-    }
+/// Whether a method has words.
+pub fn has_words(method: &Method) -> bool {
+    IN_WORDS.contains(&method.about.name)
 }
-
-/// Every way to make a picture.
-pub const METHODS: [Method; 5] = [
-    Method { name: "function", words: true, eyes: true, picture: |question| machine(question, function) },
-    Method { name: "cycle", words: true, eyes: true, picture: |question| machine(question, cycle) },
-    Method { name: "true", words: false, eyes: false, picture: |question| twin(question, Interpolation::Exact) },
-    Method { name: "sheared", words: false, eyes: false, picture: |question| twin(question, Interpolation::Sheared) },
-    Method { name: "image-order", words: false, eyes: true, picture: in_image_order },
-];
 
 /// A picture with a closed form.
 pub struct KnownAnswer {
@@ -356,15 +332,29 @@ impl KnownAnswer {
 }
 
 impl Question {
-    /// What the machine and its host know of the volume.
-    fn info(&self) -> VolumeInfo {
-        VolumeInfo { dims: [SIDE; 3], spacing: [1.0; 3], window: [0.0, TOP] }
+    /// The volume: its words as data, which become the same words.
+    fn volume(&self) -> LoadedVolume {
+        let values = self.words.iter().map(|&word| f64::from(word) / 65535.0 * TOP).collect();
+        let data = Volume::new([SIDE; 3], [1.0; 3], Samples::F64(values)).unwrap_or_else(|error| panic!("{error}"));
+        let volume = to_words("a closed form".into(), data, Some([0.0, TOP]), &spec(), false);
+        volume.unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// The words as data.
-    fn data(&self) -> Volume {
-        let values = self.words.iter().map(|&word| f64::from(word) / 65535.0 * TOP).collect();
-        Volume::new([SIDE; 3], [1.0; 3], Samples::F64(values)).unwrap_or_else(|error| panic!("{error}"))
+    /// The red of its picture by a method, row-major from the top left; none where the method cannot show it.
+    pub fn picture(&self, method: &'static Method) -> Option<Vec<f64>> {
+        let (volume, machine) = (self.volume(), spec());
+        assert_eq!(volume.words.words, self.words);
+        let mut choice = Choice::of(method);
+        // A mode that does not add up takes every sample as it is.
+        if method.about.options.iter().any(|option| option.name == "ends") && !self.scene.mode.adds_up() {
+            let published = format!("{}:published", method.about.name);
+            choice = published.parse().unwrap_or_else(|error| panic!("{error}"));
+        }
+        match choice.render(&Subject::new(&self.scene, &machine, &volume), &|_, _, _| {}) {
+            Ok(rendering) => Some(rendering.picture.pixels.into_iter().map(|[red, _, _]| red).collect()),
+            Err(RenderError::Method(MethodError::Lacks { .. })) => None,
+            Err(error) => panic!("{}: {error}", method.about.name),
+        }
     }
 
     /// The chord of each pixel of the picture, where its ray is two voxels from the other faces all the way.
@@ -388,50 +378,4 @@ fn spec() -> MachineSpec {
     let words = Words { opacity_bits: 16, table_bits: 16, ..Words::default() };
     let rays = Rays { template: TemplateRule::PlaneFloor, ends: RayEnds::Exact, ..Rays::default() };
     MachineSpec { lanes: 5, words, rays, ..MachineSpec::default() }
-}
-
-fn frames(question: &Question) -> PictureFrames {
-    picture_setup(&question.scene, &spec(), &question.info(), true).unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn machine(question: &Question, run: fn(&[Arc<FrameSetup>], &[u16]) -> Vec<BasePlane>) -> Vec<f64> {
-    let frames = frames(question);
-    let bases = run(&frames.setups, &question.words);
-    let passes: Vec<(&BasePlane, &Geometry)> =
-        bases.iter().zip(frames.setups.iter().map(|setup| &setup.geometry)).collect();
-    grey(warp_passes(&passes, &frames.plane, [1.0; 3], question.scene.background))
-}
-
-fn function(setups: &[Arc<FrameSetup>], words: &[u16]) -> Vec<BasePlane> {
-    let base = |setup: &Arc<FrameSetup>| {
-        render(setup, &CanonicalVolume::new(&setup.geometry.axes, [SIDE; 3], words), true, &|_, _| {}).base
-    };
-    setups.iter().map(base).collect()
-}
-
-fn cycle(setups: &[Arc<FrameSetup>], words: &[u16]) -> Vec<BasePlane> {
-    let mut machine =
-        Machine::cycle(&spec(), setups.to_vec(), [SIDE; 3], words).unwrap_or_else(|error| panic!("{error}"));
-    machine.run(&|_, _| {}).unwrap_or_else(|error| panic!("{error}"));
-    machine.into_base_planes()
-}
-
-fn twin(question: &Question, interpolation: Interpolation) -> Vec<f64> {
-    let scene = &question.scene;
-    let frames = frames(question);
-    let geometry = &frames.setups[0].geometry;
-    let options = DiscreteOptions { whole_steps: !scene.mode.adds_up(), ..DiscreteOptions::default() };
-    let base = discrete(&question.data(), scene, geometry, interpolation, &options, None);
-    let base = base.unwrap_or_else(|error| panic!("{error}"));
-    grey(base.warp(geometry, &frames.plane, [1.0; 3], scene.background))
-}
-
-fn in_image_order(question: &Question) -> Vec<f64> {
-    let options = ImageOrderOptions { step_voxel: 0.5, ..ImageOrderOptions::default() };
-    let picture = image_order(&question.data(), &question.scene, &options, None);
-    grey(picture.unwrap_or_else(|error| panic!("{error}")).picture.pixels)
-}
-
-fn grey(pixels: Vec<[f64; 3]>) -> Vec<f64> {
-    pixels.into_iter().map(|[red, _, _]| red).collect()
 }
