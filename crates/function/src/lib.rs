@@ -4,7 +4,11 @@
 
 #![warn(missing_docs)]
 
+mod canonical_volume;
 mod function;
+mod parallel;
 mod perspective;
+mod plane;
 
-pub use function::{CanonicalVolume, FunctionRun, render};
+pub use canonical_volume::CanonicalVolume;
+pub use function::{FunctionRun, render};

@@ -3,7 +3,8 @@
 //! The lerps along u of plane v + 1 serve plane v now and plane v + 1 next, unless slots have cells of their own; planes
 //! of samples as far above and below as neighbours are serve the gradient.
 
-use crate::function::{CanonicalVolume, Plane};
+use crate::canonical_volume::CanonicalVolume;
+use crate::plane::Plane;
 use cube3_abc::ends::PlaneEnds;
 use cube3_abc::lanes::{AbcLanes, ShadedRow};
 use cube3_cone::lanes::{Accumulator, ConeLanes};

@@ -12,13 +12,21 @@
 #![warn(missing_docs)]
 
 pub mod acquisition;
+mod archive;
+mod assemble;
 pub mod checkpoint;
+mod counters;
+mod error;
 mod fidelity;
 pub mod host_port;
+mod identity;
 pub mod links;
 mod machine;
 mod token;
 
+pub use assemble::Data;
+pub use counters::{ChannelReading, RunCounters};
+pub use error::RunError;
 pub use fidelity::{Cycle, Fidelity, Timing};
-pub use machine::{CHANNELS, ChannelReading, Data, Joint, Machine, RunCounters, RunError, UNITS};
+pub use machine::{CHANNELS, Joint, Machine, UNITS};
 pub use token::{Token, TokenKind};

@@ -1,6 +1,7 @@
 //! The study as CSV and as JSON: the same columns.
 
-use super::picture::{Aim, ImageLevels};
+use super::levels::ImageLevels;
+use super::picture::Aim;
 use super::sweeps::{Row, Sweep, ThinRow};
 use super::thin;
 use super::wire::{Order, Wire};

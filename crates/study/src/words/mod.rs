@@ -8,6 +8,7 @@
 
 pub mod cost;
 mod files;
+pub mod levels;
 mod page;
 pub mod picture;
 mod plot;

@@ -1,6 +1,7 @@
 //! What words do to the picture and the gradients of a scene, against the same samples in reals; and to the cone alone.
 
 use super::cost::{Cost, cost};
+use super::levels::{ImageLevels, LEVELS};
 use super::thin::ThinCase;
 use super::wire::{Design, Order};
 use crate::StudyError;
@@ -24,25 +25,11 @@ use serde::Serialize;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::hash::Hash;
 
-/// Levels of an 8-bit display: errors of pictures are in 1/255.
-pub const LEVELS: f64 = 255.0;
-
 /// Most rays whose gradients are looked at: a grid of them, if there are more.
 const MOST_RAYS: usize = 4096;
 
 /// Gradients below this part of the window for each voxel are none in reals either: a 16-bit word.
 const FLAT: f64 = 1.0 / 65535.0;
-
-/// Error of a picture in levels of 1/255.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct ImageLevels {
-    /// Mean distance in RGB over √3.
-    pub mean: f64,
-    /// Root of the mean square difference of a channel.
-    pub rms: f64,
-    /// Largest difference of a channel.
-    pub max: f64,
-}
 
 /// Angles between directions in words and in reals, in degrees.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]

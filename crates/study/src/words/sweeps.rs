@@ -1,6 +1,7 @@
 //! The points of the study: one wire at a time, all words alike, and a walk from long words to short ones.
 
-use super::picture::{Aim, ImageLevels, Measured, SceneCase};
+use super::levels::ImageLevels;
+use super::picture::{Aim, Measured, SceneCase};
 use super::thin::ThinCase;
 use super::wire::{Design, Order, Variant, Wire, uniform, widest};
 use crate::error::Outcome;

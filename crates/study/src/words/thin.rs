@@ -1,6 +1,6 @@
 //! Rays of thin opacity through the cone alone, against the same rays in reals that were never made words.
 
-use super::picture::{ImageLevels, LEVELS};
+use super::levels::{ImageLevels, LEVELS};
 use super::wire::Order;
 use cube3_abc::golden::Shaded;
 use cube3_cone::golden::{Node, leaf, pixel, reduce};
