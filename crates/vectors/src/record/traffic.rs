@@ -1,10 +1,6 @@
-//! The traffic of a real run as vectors: what flowed through a unit of arithmetic or addressing while the machine rendered a frame.
-//!
-//! Lines are in the machine's order: sections and planes of ray slots, slots, depths; beams by section, plane and depth. From the ABC units on,
-//! the first plane and the first slot come last where slots are shared, as [`FrameSetup::shading_order`] says. Values are those of the unit crates'
-//! definitions on the frame's registers and voxels, which the cycle machine equals to the bit; channels are those of a timing run.
+//! Lines of the units of arithmetic and addressing in a frame.
 
-use crate::{ExpressionError, Format, Set, Tables, Unit, Vectors};
+use super::run::Run;
 use cube3_abc::golden::{Light, Local, Neighbourhood, Stages};
 use cube3_cfb::golden::Skew;
 use cube3_cfb::{FrameBuffer, FrameBufferError, Piece, scan};
@@ -12,295 +8,23 @@ use cube3_cone::golden::{Node, Segment, combine};
 use cube3_cone::{place_of_circle, segments};
 use cube3_definition::Definition;
 use cube3_frame::{BeamPlace, DiscreteRay, FrameSetup, GradientScale, HalfSpace, Phong, RayPlace, Schedule, Shading};
-use cube3_machine::{ConeOrder, MachineSpec, RaySlots};
-use cube3_pipeline::{Machine, RunError, Timing};
-use cube3_trace::{self as trace, Recorder};
+use cube3_machine::{ConeOrder, RaySlots};
 use cube3_trilin::golden::lift;
 use std::ops::ControlFlow::{self, Break, Continue};
-use std::sync::Arc;
 
 /// Most rays that share a slot of the unit `cone`.
 const RAYS: usize = 3;
 
-/// Cycles that are recorded of a timing run at a time.
-const CYCLES: u64 = 4096;
-
-/// A run: a machine, the frames that it renders one after another, and a volume of voxel words, x fastest.
-#[derive(Clone, Copy, Debug)]
-pub struct Run<'a> {
-    /// The machine.
-    pub machine: &'a MachineSpec,
-    /// The registers of its frames.
-    pub frames: &'a [Arc<FrameSetup>],
-    /// Voxels along x, y, z.
-    pub dims: [usize; 3],
-    /// Voxel words.
-    pub voxels: &'a [u16],
-}
-
-/// Which part of the traffic.
-#[derive(Clone, Copy, Debug)]
-pub struct Excerpt<'a> {
-    /// The frame, from 0; of a picture in perspective, its passes are frames.
-    pub frame: usize,
-    /// The first transaction of the unit in that frame, from 0; of a channel the first cycle of the run.
-    pub first: usize,
-    /// How many at most.
-    pub count: usize,
-    /// The channel that is taken for the unit `channel`, by its name in traces.
-    pub channel: &'a str,
-}
-
-/// Why there is no recording.
-#[derive(Debug, thiserror::Error)]
-pub enum RecordError {
-    /// A frame that is not there.
-    #[error("the picture has {frames} frames, and frame {frame} was asked for, counted from 0")]
-    Frame {
-        /// Asked for.
-        frame: usize,
-        /// There.
-        frames: usize,
-    },
-    /// A unit that does nothing in the frame.
-    #[error("the unit {unit} carries nothing in this frame: {reason}")]
-    Idle {
-        /// The unit.
-        unit: &'static str,
-        /// Why not.
-        reason: String,
-    },
-    /// A window behind the last transaction.
-    #[error("the unit {unit} has {found} transactions in this frame, and the window starts at {first}, counted from 0")]
-    Beyond {
-        /// The unit.
-        unit: &'static str,
-        /// Transactions of the frame.
-        found: usize,
-        /// First one asked for.
-        first: usize,
-    },
-    /// A channel that is never empty again.
-    #[error(
-        "the channel {channel} is not empty in any cycle from {first} on, and vectors of a channel begin with an empty one: start earlier"
-    )]
-    Held {
-        /// The channel.
-        channel: String,
-        /// The first cycle asked for.
-        first: usize,
-    },
-    /// No channel of that name.
-    #[error("the machine has no channel \"{channel}\"; its channels are {names}")]
-    Channel {
-        /// The name.
-        channel: String,
-        /// Those that there are.
-        names: String,
-    },
-    /// A value that the unit's sheet does not allow.
-    #[error(
-        "transaction {line} has {field} = {value}, and vectors of the unit {unit} hold {low} to {high} in this format: {remedy}"
-    )]
-    Value {
-        /// The unit.
-        unit: &'static str,
-        /// Transaction of the recording, from 0.
-        line: usize,
-        /// The field.
-        field: String,
-        /// Its value.
-        value: i128,
-        /// The lowest.
-        low: i128,
-        /// The highest.
-        high: i128,
-        /// What to change.
-        remedy: &'static str,
-    },
-    /// More opacity tables than the vectors of classification number.
-    #[error(
-        "vectors of the unit classify tell up to 16 opacity tables apart, and rays whose ends have parts of a step have more: set \
-         rays.ends = \"published\" in the machine file"
-    )]
-    Ends,
-    /// A sheet.
-    #[error(transparent)]
-    Expression(#[from] ExpressionError),
-    /// The machine.
-    #[error(transparent)]
-    Run(#[from] RunError),
-    /// The frame buffer.
-    #[error(transparent)]
-    FrameBuffer(#[from] FrameBufferError),
-}
-
-/// The traffic of a unit in a run: the format is the machine's with what the frame's registers set, and tables are the frame's.
-///
-/// - `lerp` is the first along w of each TRILIN unit: of rays (u, v).
-/// - From the gradient on, samples inside of every half-space; from the light on, those of them that are not transparent. `clip`
-///   has a line for each half-space.
-/// - `leaf` has a line for every depth of every slot, `node` one for each call of a node, in the order of the tree.
-/// - `cone` has a line for each chunk of a slot, of a tree with as many leaves as the machine has lanes.
-/// - `cfb` and `bus` are what beams are read and turned by, `dsb` where rays are read.
-/// - `channel` begins at the first cycle of the window in which the channel is empty; data are the tokens' numbers modulo 2^16.
-pub struct Recording<'a> {
-    run: &'a Run<'a>,
-    window: &'a Excerpt<'a>,
-    set: Set,
-}
-
-impl<'a> Recording<'a> {
-    /// The recording of a unit, before its first line.
-    ///
-    /// # Errors
-    /// A frame or channel that is not there, a unit that the frame does not use.
-    pub fn new(run: &'a Run<'a>, unit: &dyn Unit, window: &'a Excerpt<'a>) -> Result<Recording<'a>, RecordError> {
-        let name = unit.sheet().name;
-        let frames = run.frames.len();
-        let setup = run.frames.get(window.frame).ok_or(RecordError::Frame { frame: window.frame, frames })?;
-        if name == "classify" && setup.ends.is_some() {
-            return Err(RecordError::Ends);
-        }
-        let mut format = format(run, setup, name);
-        if name == "channel" {
-            let (machine, place) = channel(run, window)?;
-            let reading = machine.counters().channels[place];
-            (format.capacity, format.latency) = (reading.capacity as u32, reading.latency as u32);
-        } else if let Some(reason) = Frame::new(run, setup).idle(name) {
-            return Err(RecordError::Idle { unit: name, reason });
-        }
-        let set = Set::with_tables(unit, format, 0, tables(setup, name, unit, &format))?;
-        Ok(Recording { run, window, set })
-    }
-
-    /// What the lines have in common.
-    pub fn set(&self) -> &Set {
-        &self.set
-    }
-
-    /// Gives the input fields of each line of the window to `take`, in order.
-    ///
-    /// # Errors
-    /// A window behind the last line, traffic that the unit's vectors cannot hold, and what `take` says.
-    pub fn lines<E: From<RecordError>>(&self, take: &mut dyn FnMut(Vec<i128>) -> Result<(), E>) -> Result<(), E> {
-        let Recording { run, window, set } = self;
-        let name = set.sheet.name;
-        let mut checked = |line: usize, inputs: Vec<i128>| {
-            check(set, line, &inputs)?;
-            take(inputs)
-        };
-        if name == "channel" {
-            return cycles(run, window, &mut checked);
-        }
-        let frame = Frame::new(run, &run.frames[window.frame]);
-        let mut failed = None;
-        let mut lines = Lines {
-            first: window.first,
-            count: window.count,
-            seen: 0,
-            taken: 0,
-            take: &mut |line, inputs| {
-                let taken = checked(line, inputs);
-                failed = taken.err();
-                if failed.is_none() { Continue(()) } else { Break(()) }
-            },
-        };
-        let _ = frame.traffic(name, &mut lines).map_err(RecordError::from)?;
-        let (taken, seen) = (lines.taken, lines.seen);
-        match failed {
-            Some(error) => Err(error),
-            None if taken == 0 && seen <= window.first && window.count > 0 => {
-                Err(RecordError::Beyond { unit: name, found: seen, first: window.first }.into())
-            }
-            None => Ok(()),
-        }
-    }
-}
-
-/// The vectors of a unit from a run, in memory.
-///
-/// # Errors
-/// Those of [`Recording`].
-pub fn record(run: &Run<'_>, unit: &dyn Unit, window: &Excerpt<'_>) -> Result<Vectors, RecordError> {
-    let recording = Recording::new(run, unit, window)?;
-    let mut inputs = Vec::new();
-    recording.lines(&mut |line| {
-        inputs.push(line);
-        Ok::<(), RecordError>(())
-    })?;
-    Ok(Vectors::of(unit, recording.set, inputs))
-}
-
-/// Whether the unit's vectors hold a line.
-fn check(set: &Set, line: usize, inputs: &[i128]) -> Result<(), RecordError> {
-    for (field, &value) in set.fields[0].iter().zip(inputs) {
-        let [low, high] = field.range;
-        if !(low..=high).contains(&value) {
-            let unit = set.sheet.name;
-            let remedy = "take a smaller volume or another view";
-            return Err(RecordError::Value { unit, line, field: field.name.clone(), value, low, high, remedy });
-        }
-    }
-    Ok(())
-}
-
-/// The format of a unit in a frame.
-fn format(run: &Run<'_>, setup: &FrameSetup, unit: &str) -> Format {
-    let machine = run.machine;
-    let mut format = Format { words: setup.words, ..Format::of(machine) };
-    format.lanes = if unit == "cone" { setup.cone.leaves } else { machine.lanes } as u32;
-    format.dims = run.dims.map(|n| n as u32);
-    if let Some(scale) = setup.gradient.and_then(|registers| registers.scale) {
-        format.kept_bits = scale.kept_bits;
-    }
-    if let Some(table) = &setup.normaliser {
-        format.root_bits = table.root_bits;
-    }
-    match &setup.shading {
-        Some(Shading::Phong(phong)) => {
-            format.power_bits = phong.power_bits;
-            format.lights = phong.lights.len().max(1) as u32;
-        }
-        Some(Shading::Table(table)) => format.reflectance_bits = table.bits,
-        None => {}
-    }
-    format.rows = setup.classification.gradient_rows.map_or(1, |rows| rows.rows);
-    format.classes = setup.rays.as_ref().map_or(1, |rays| rays.length_classes);
-    format
-}
-
-/// The contents of a unit's tables in a frame.
-fn tables(setup: &FrameSetup, name: &str, unit: &dyn Unit, format: &Format) -> Tables {
-    let words = |table: &[u32]| table.iter().map(|&entry| entry.into()).collect::<Vec<i128>>();
-    let packed = |table: &[[u32; 3]], bits: u32| {
-        let pack = |entry: &[u32; 3]| (0..3).map(|i| i128::from(entry[i]) << (bits * i as u32)).sum();
-        table.iter().map(pack).collect::<Vec<i128>>()
-    };
-    let colour_bits = setup.words.colour_bits;
-    match (name, &setup.normaliser, &setup.shading) {
-        ("normalise", Some(normaliser), _) => vec![words(&normaliser.root)],
-        ("classify", ..) => {
-            vec![words(&setup.classification.opacity), packed(&setup.classification.colour, colour_bits)]
-        }
-        ("phong", _, Some(Shading::Phong(phong))) => vec![words(&phong.power)],
-        ("reflectance", _, Some(Shading::Table(table))) => {
-            vec![packed(&table.diffuse, colour_bits + 4), packed(&table.specular, colour_bits + 4)]
-        }
-        _ => unit.tables(format),
-    }
-}
-
 /// The lines of a window, as they go by.
-struct Lines<'a> {
-    first: usize,
-    count: usize,
+pub(super) struct Lines<'a> {
+    pub(super) first: usize,
+    pub(super) count: usize,
     /// Lines so far, those before the window included.
-    seen: usize,
+    pub(super) seen: usize,
     /// Lines of the window so far.
-    taken: usize,
+    pub(super) taken: usize,
     /// Takes a line of the window and its number there.
-    take: &'a mut dyn FnMut(usize, Vec<i128>) -> ControlFlow<()>,
+    pub(super) take: &'a mut dyn FnMut(usize, Vec<i128>) -> ControlFlow<()>,
 }
 
 impl Lines<'_> {
@@ -324,19 +48,19 @@ fn fields<T: Into<i128> + Copy>(line: &mut Vec<i128>, words: &[T]) {
 }
 
 /// A frame of a run.
-struct Frame<'a> {
+pub(super) struct Frame<'a> {
     run: &'a Run<'a>,
     setup: &'a FrameSetup,
     definition: Definition<'a>,
 }
 
 impl<'a> Frame<'a> {
-    fn new(run: &'a Run<'a>, setup: &'a FrameSetup) -> Frame<'a> {
+    pub(super) fn new(run: &'a Run<'a>, setup: &'a FrameSetup) -> Frame<'a> {
         Frame { run, setup, definition: Definition::new(setup, run.voxels) }
     }
 
     /// Why the frame does not use a unit, where it does not.
-    fn idle(&self, unit: &str) -> Option<String> {
+    pub(super) fn idle(&self, unit: &str) -> Option<String> {
         let setup = self.setup;
         let geometry = &setup.geometry;
         let parallel = geometry.perspective.is_none();
@@ -373,7 +97,7 @@ impl<'a> Frame<'a> {
     }
 
     /// Sends the lines of a unit.
-    fn traffic(&self, unit: &str, lines: &mut Lines<'_>) -> Result<ControlFlow<()>, FrameBufferError> {
+    pub(super) fn traffic(&self, unit: &str, lines: &mut Lines<'_>) -> Result<ControlFlow<()>, FrameBufferError> {
         Ok(match unit {
             "cfb" => self.addresses(lines),
             "bus" => return self.turns(lines),
@@ -634,54 +358,4 @@ fn lit_line(colour: [u32; 3], light: Light) -> Vec<i128> {
     fields(&mut line, &light.diffuse);
     fields(&mut line, &light.specular);
     line
-}
-
-/// A timing run of all frames, and the place of the window's channel among its channels.
-fn channel<'a>(run: &Run<'a>, window: &Excerpt<'_>) -> Result<(Machine<Timing>, usize), RecordError> {
-    let machine = Machine::timing(run.machine, run.frames.to_vec())?;
-    let joints = Machine::<Timing>::JOINTS;
-    let names = || joints.map(|joint| joint.channel).join(", ");
-    let place = joints.iter().position(|joint| joint.channel == window.channel);
-    let place = place.ok_or_else(|| RecordError::Channel { channel: window.channel.to_owned(), names: names() })?;
-    Ok((machine, place))
-}
-
-/// The cycles of a channel in a timing run of all frames: gives each line and its number to `take`.
-fn cycles<E: From<RecordError>>(
-    run: &Run<'_>,
-    window: &Excerpt<'_>,
-    take: &mut dyn FnMut(usize, Vec<i128>) -> Result<(), E>,
-) -> Result<(), E> {
-    let (mut machine, place) = channel(run, window)?;
-    let stuck = |deadlock| RecordError::from(RunError::from(deadlock));
-    let first = window.first as u64;
-    machine.run_until(first, &|_, _| {}).map_err(stuck)?;
-    if machine.now() < first {
-        let found = machine.now() as usize;
-        return Err(RecordError::Beyond { unit: "channel", found, first: window.first }.into());
-    }
-    let mut token = machine.counters().channels[place].counters.pushes;
-    let mut empty = machine.counters().channels[place].occupancy == 0;
-    let (mut lines, mut done) = (0, false);
-    while !done && lines < window.count {
-        let from = machine.now();
-        let cycles = trace::CycleWindow { from, to: from + CYCLES };
-        let mut recorder = Recorder::new(&machine, cycles, run.machine.clock_hz);
-        done = recorder.run(&mut machine, cycles.to, &|_, _| {}).map_err(stuck)?;
-        recorder.finish().replay(|events: &trace::Events| {
-            let pushed = events.pushed[place].is_some();
-            if (empty || lines > 0) && lines < window.count {
-                let data = if pushed { i128::from(token & 0xffff) } else { 0 };
-                take(lines, vec![pushed.into(), data, events.popped[place].is_some().into()])?;
-                lines += 1;
-            }
-            token += u64::from(pushed);
-            empty = events.occupancy[place] == 0;
-            Ok::<(), E>(())
-        })?;
-    }
-    if lines == 0 && window.count > 0 {
-        return Err(RecordError::Held { channel: window.channel.to_owned(), first: window.first }.into());
-    }
-    Ok(())
 }
