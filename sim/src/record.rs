@@ -7,7 +7,7 @@
 use crate::fidelity::Timing;
 use crate::machine::{Machine, RunError};
 use crate::trace::{self, Recorder};
-use cube3_abc::golden::{Light, Local, Neighbourhood, Stages};
+use cube3_abc::golden::{Local, Neighbourhood, ReflectedLight, Stages};
 use cube3_cfb::golden::Skew;
 use cube3_cfb::{FrameBuffer, FrameBufferError, Piece, scan};
 use cube3_cone::golden::{Node, Segment, combine};
@@ -16,7 +16,7 @@ use cube3_definition::Definition;
 use cube3_frame::{BeamPlace, DiscreteRay, FrameSetup, GradientScale, HalfSpace, Phong, RayPlace, Schedule, Shading};
 use cube3_machine::{ConeOrder, MachineSpec, RaySlots};
 use cube3_trilin::golden::lift;
-use cube3_vectors::{ExpressionError, Format, Set, Tables, Unit, Vectors};
+use cube3_vectors::{ExpressionError, Set, Tables, Unit, UnitFormat, Vectors};
 use std::ops::ControlFlow::{self, Break, Continue};
 
 /// Most rays that share a slot of the unit `cone`.
@@ -246,9 +246,9 @@ fn check(set: &Set, line: usize, inputs: &[i128]) -> Result<(), RecordError> {
 }
 
 /// The format of a unit in a frame.
-fn format(run: &Run<'_>, setup: &FrameSetup, unit: &str) -> Format {
+fn format(run: &Run<'_>, setup: &FrameSetup, unit: &str) -> UnitFormat {
     let machine = run.machine;
-    let mut format = Format { words: setup.words, ..Format::of(machine) };
+    let mut format = UnitFormat { words: setup.words, ..UnitFormat::of(machine) };
     format.lanes = if unit == "cone" { setup.cone.leaves } else { machine.lanes } as u32;
     format.dims = run.dims.map(|n| n as u32);
     if let Some(scale) = setup.gradient.and_then(|registers| registers.scale) {
@@ -271,7 +271,7 @@ fn format(run: &Run<'_>, setup: &FrameSetup, unit: &str) -> Format {
 }
 
 /// The contents of a unit's tables in a frame.
-fn tables(setup: &FrameSetup, name: &str, unit: &dyn Unit, format: &Format) -> Tables {
+fn tables(setup: &FrameSetup, name: &str, unit: &dyn Unit, format: &UnitFormat) -> Tables {
     let words = |table: &[u32]| table.iter().map(|&entry| entry.into()).collect::<Vec<i128>>();
     let packed = |table: &[[u32; 3]], bits: u32| {
         let pack = |entry: &[u32; 3]| (0..3).map(|i| i128::from(entry[i]) << (bits * i as u32)).sum();
@@ -629,7 +629,7 @@ fn phong_line(normal: [i32; 3], phong: &Phong, towards: &[[[i32; 3]; 2]]) -> Vec
     line
 }
 
-fn lit_line(colour: [u32; 3], light: Light) -> Vec<i128> {
+fn lit_line(colour: [u32; 3], light: ReflectedLight) -> Vec<i128> {
     let mut line = colour.map(i128::from).to_vec();
     fields(&mut line, &light.diffuse);
     fields(&mut line, &light.specular);

@@ -2,7 +2,7 @@
 
 use crate::output::{WholeFile, unwritten};
 use crate::problem::Outcome;
-use cube3_vectors::{Coverage, Definition, LineWriter, Set, Unit, Written};
+use cube3_vectors::{Coverage, LineWriter, Set, Unit, UnitDefinition, Written};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -37,7 +37,7 @@ impl SetFiles {
         }
         // The header has the count and the digest of the lines, so that they come first.
         let mut writer = LineWriter::new(set, WholeFile::new(&path, "lines.part")?);
-        let mut definition = Definition::new(unit, set);
+        let mut definition = UnitDefinition::new(unit, set);
         lines(&mut |inputs| {
             let outputs = definition.answer(&inputs);
             if let Some(coverage) = &mut coverage {

@@ -10,7 +10,7 @@ use cube3_host::{PictureFrames, VolumeInfo, picture_setup, warp_passes};
 use cube3_machine::{MachineSpec, RayEnds, Rays, TemplateRule};
 use cube3_reference::{ImageOrderOptions, image_order};
 use cube3_scene::{ColourPoint, Cut, Image, ImagePlane, Mode, Perspective, Scene, View};
-use cube3_twin::{DiscreteOptions, Interpolation, discrete};
+use cube3_twin::{DiscreteOptions, SampleCell, discrete};
 use cube3_volume::{Samples, Volume};
 use cube3_word::Words;
 use glam::DVec3;
@@ -92,8 +92,8 @@ impl Method {
 pub const METHODS: [Method; 5] = [
     Method { name: "function", words: true, eyes: true, picture: |question| machine(question, function) },
     Method { name: "cycle", words: true, eyes: true, picture: |question| machine(question, cycle) },
-    Method { name: "true", words: false, eyes: false, picture: |question| twin(question, Interpolation::Exact) },
-    Method { name: "sheared", words: false, eyes: false, picture: |question| twin(question, Interpolation::Sheared) },
+    Method { name: "true", words: false, eyes: false, picture: |question| twin(question, SampleCell::Exact) },
+    Method { name: "sheared", words: false, eyes: false, picture: |question| twin(question, SampleCell::Sheared) },
     Method { name: "image-order", words: false, eyes: true, picture: in_image_order },
 ];
 
@@ -415,7 +415,7 @@ fn cycle(setups: &[FrameSetup], words: &[u16]) -> Vec<BasePlane> {
     machine.into_base_planes()
 }
 
-fn twin(question: &Question, interpolation: Interpolation) -> Vec<f64> {
+fn twin(question: &Question, interpolation: SampleCell) -> Vec<f64> {
     let scene = &question.scene;
     let frames = frames(question);
     let geometry = &frames.setups[0].geometry;

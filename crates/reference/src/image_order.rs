@@ -1,12 +1,12 @@
 //! Image-order ray casting: rays from the picture's pixels, steps of one length, exact interpolation.
 
 use crate::check::{check_volume, thickened};
-use crate::integrate::{Integrator, Probe, Ray, StepWeights};
+use crate::integrate::{Integrator, Ray, SamplePoint, StepWeights};
 use crate::interpolate::cell;
 use crate::progress::RowCount;
 use crate::span::{Drawn, ON_FACE, margin};
 use crate::{Progress, RaycastError};
-use cube3_scene::{ImagePlane, Scene, over, resolve_lights};
+use cube3_scene::{ImagePlane, Scene, over, resolve_lights, smallest_spacing};
 use cube3_volume::{Sample, Volume, with_samples};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -80,7 +80,7 @@ pub fn image_order(
     check_volume(volume, options.border)?;
     let (volume, scene) = thickened(volume, scene);
     let (volume, scene) = (&*volume, &*scene);
-    let smallest = volume.spacing.iter().copied().fold(f64::INFINITY, f64::min);
+    let smallest = smallest_spacing(volume.spacing);
     let diagonal: f64 = (0..3).map(|i| volume.dims[i] as f64 * volume.spacing[i] / smallest).sum();
     if !(options.step_voxel > 0.0 && options.step_voxel.is_finite() && diagonal / options.step_voxel <= MOST_STEPS) {
         return Err(RaycastError::Option {
@@ -329,7 +329,7 @@ struct PlacedSample<'a, S> {
     cell: Cell,
 }
 
-impl<S: Sample> Probe for PlacedSample<'_, S> {
+impl<S: Sample> SamplePoint for PlacedSample<'_, S> {
     fn position(&self) -> [f64; 3] {
         [0, 1, 2].map(|i| self.cell.corner[i] as f64 + self.cell.weights[i])
     }

@@ -9,7 +9,7 @@ use cube3_volume::Volume;
 use glam::DVec3;
 
 /// What may be asked of a sample beside its value; asked only where the pixel depends on it.
-pub trait Probe {
+pub trait SamplePoint {
     /// Its position in voxels, x, y, z.
     fn position(&self) -> [f64; 3];
     /// The gradient in values per smallest voxel spacing, in the frame that the lights are given in.
@@ -126,7 +126,7 @@ impl<'a> Integrator<'a> {
     /// Adds sample `index` of a ray, the next one from the front, which stands for the `part` of a step. It lies in what is drawn:
     /// crop box and cuts are in the ray's length.
     #[inline]
-    pub fn add(&mut self, ray: &mut Ray, index: usize, value: f64, part: f64, probe: &impl Probe) {
+    pub fn add(&mut self, ray: &mut Ray, index: usize, value: f64, part: f64, probe: &impl SamplePoint) {
         match self.scene.mode {
             Mode::Composite => {
                 let (alpha, gradient) = self.visible_opacity(value, probe);
@@ -167,7 +167,7 @@ impl<'a> Integrator<'a> {
     }
 
     /// The pixel of a ray, opacity-weighted: `probe(index)` finds a sample again.
-    pub fn finish<P: Probe>(&self, ray: &Ray, probe: impl Fn(usize) -> P) -> [f64; 4] {
+    pub fn finish<P: SamplePoint>(&self, ray: &Ray, probe: impl Fn(usize) -> P) -> [f64; 4] {
         let with_alpha = |[r, g, b]: [f64; 3], alpha: f64| [r, g, b, alpha];
         match (self.scene.mode, ray.chosen) {
             (Mode::Composite, _) => with_alpha(ray.colour, ray.composited_alpha()),
@@ -186,11 +186,11 @@ impl<'a> Integrator<'a> {
 
     /// The opacity of a unit length, 0 for what is removed; and the gradient if it had to be read.
     #[inline]
-    fn visible_opacity(&self, value: f64, probe: &impl Probe) -> (f64, Option<[f64; 3]>) {
+    fn visible_opacity(&self, value: f64, probe: &impl SamplePoint) -> (f64, Option<[f64; 3]>) {
         if value < self.clear_below || self.removed(value) { (0.0, None) } else { self.opacity(value, probe) }
     }
 
-    fn opacity(&self, value: f64, probe: &impl Probe) -> (f64, Option<[f64; 3]>) {
+    fn opacity(&self, value: f64, probe: &impl SamplePoint) -> (f64, Option<[f64; 3]>) {
         let transfer = &self.scene.transfer;
         let gradient = transfer.is_two_dimensional().then(|| probe.gradient());
         let magnitude = gradient.map_or(0.0, |gradient| DVec3::from(gradient).length());
@@ -215,18 +215,18 @@ impl<'a> Integrator<'a> {
         self.corrected.1
     }
 
-    fn lit_colour(&self, value: f64, gradient: Option<[f64; 3]>, probe: &impl Probe) -> [f64; 3] {
+    fn lit_colour(&self, value: f64, gradient: Option<[f64; 3]>, probe: &impl SamplePoint) -> [f64; 3] {
         let rgb = self.scene.transfer.colour_at(value);
         let material = &self.scene.material;
         let normal = if material.shaded { normal(gradient.unwrap_or_else(|| probe.gradient())) } else { None };
         self.cued(phong(material, &self.lights, normal, rgb), probe)
     }
 
-    fn plain_colour(&self, value: f64, probe: &impl Probe) -> [f64; 3] {
+    fn plain_colour(&self, value: f64, probe: &impl SamplePoint) -> [f64; 3] {
         self.cued(self.scene.transfer.colour_at(value), probe)
     }
 
-    fn cued(&self, colour: [f64; 3], probe: &impl Probe) -> [f64; 3] {
+    fn cued(&self, colour: [f64; 3], probe: &impl SamplePoint) -> [f64; 3] {
         let Some(cue) = &self.cue else { return colour };
         let factor = cue.at(probe.position());
         colour.map(|c| c * factor)

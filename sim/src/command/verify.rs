@@ -16,8 +16,8 @@ use cube3_scene::{Mode, Scene, View};
 use cube3_vectors::compare::{Compared, explain};
 use cube3_vectors::waveform::around_mismatch;
 use cube3_vectors::{
-    Answer, AnswerReader, Comparison, Definition, FileError, Format, Lines, Mismatch, ResponsesError, Set, Tables,
-    Unit, VectorReader, ranges, word_formats,
+    Answer, AnswerReader, Comparison, FileError, Lines, Mismatch, ResponsesError, Set, Tables, Unit, UnitDefinition,
+    UnitFormat, VectorReader, ranges, word_formats,
 };
 use cube3_word::{Words, unit_full};
 use rustix::process::{Pid, Signal, kill_process_group};
@@ -114,7 +114,7 @@ impl VerifyArguments {
             place(format!("{error}; give a text file with a line of output fields for each line of the vectors"))
         })?;
         let mut responses = AnswerReader::new(set, BufReader::new(file));
-        let (mut reader, mut definition) = (open_vectors(path)?, Definition::new(unit, set));
+        let (mut reader, mut definition) = (open_vectors(path)?, UnitDefinition::new(unit, set));
         let mut comparison = Comparison::new(set, AROUND);
         let (mut expected, mut found) = (0, 0);
         loop {
@@ -209,7 +209,7 @@ impl VerifyArguments {
         let count = self.unit.lines()?;
         let mut wrong = Vec::new();
         for unit in self.unit.units()? {
-            let formats: Vec<Format> = if asked { vec![self.unit.format()?] } else { unit.formats() };
+            let formats: Vec<UnitFormat> = if asked { vec![self.unit.format()?] } else { unit.formats() };
             let name = unit.sheet().name;
             let (mut lines, mut answered, mut equal, mut wires, mut hold) = (0, 0, 0, 0, 0);
             for format in &formats {
@@ -286,7 +286,7 @@ fn open_vectors(path: &Path) -> Outcome<VectorReader<BufReader<File>>> {
 /// The first `count` lines of a set by the unit's lanes against its definition: where they differ first, and how many were compared.
 fn lanes(unit: &dyn Unit, set: &Set, count: usize) -> Outcome<(Option<Mismatch>, usize)> {
     let mut lines = Lines::new(unit, set)?.take(count).peekable();
-    let mut definition = Definition::new(unit, set);
+    let mut definition = UnitDefinition::new(unit, set);
     let mut comparison = Comparison::new(set, 0);
     let most = (BLOCK_BYTES / (16 * set.width())).max(1);
     while lines.peek().is_some() {
@@ -332,7 +332,7 @@ fn units_in_frames(machine: &MachineSpec, words: Words) -> Outcome<Frames> {
             let frames = [frame_setup(&scene, &machine, &volume, true)?.setup];
             let mut run = Machine::cycle(&machine, frames.to_vec(), [SIDE; 3], &voxels)?;
             run.run(&|_, _| {})?;
-            let defined = cube3_definition::Definition::new(&frames[0], &voxels).base_plane();
+            let defined = cube3_definition::UnitDefinition::new(&frames[0], &voxels).base_plane();
             found.frames += 1;
             found.seen += defined.pixels.iter().filter(|pixel| pixel[3] > 0).count();
             if run.into_base_planes() != [defined] {
