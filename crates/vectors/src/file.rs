@@ -192,7 +192,7 @@ pub enum FileError {
     Magic,
     /// A header line.
     #[error("line {line}: \"{text}\" is not understood; `cube3 vectors` writes such files")]
-    VectorHeader {
+    Header {
         /// Line, from 1.
         line: usize,
         /// Its text.
@@ -200,7 +200,7 @@ pub enum FileError {
     },
     /// The format.
     #[error(transparent)]
-    UnitFormat(#[from] UnitFormatError),
+    Format(#[from] UnitFormatError),
     /// The sheet.
     #[error(transparent)]
     Expression(#[from] ExpressionError),

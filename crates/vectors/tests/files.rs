@@ -128,7 +128,7 @@ fn what_is_wrong_in_a_file_is_told_with_its_line() {
     let broken = text.replace("nearest=1", "nearest=x");
     assert!(matches!(header(&broken), Err(FileError::Header { line: 3, .. })));
     let broken = text.replace("voxel_bits=16", "voxel_bits=99");
-    assert!(matches!(header(&broken), Err(FileError::UnitFormat(_))));
+    assert!(matches!(header(&broken), Err(FileError::Format(_))));
     let lines = |text: &str| read(text, unit.as_ref(), Tables::new()).map(|vectors| vectors.inputs.len());
     assert_eq!(lines(&text), Ok(300));
     assert!(matches!(lines(&(text.clone() + "12 34 5g\n")), Err(FileError::Word { line: 311, .. })));

@@ -19,8 +19,10 @@ use rand_chacha::rand_core::{RngCore, SeedableRng};
 fn numbers(side: usize) -> Vec<u8> {
     let head = Phantom::Head.generate(side, &PhantomParams::default()).expect("a phantom");
     let mut random = ChaCha8Rng::seed_from_u64(1);
-    let noisy =
-        head.to_f64().into_iter().flat_map(|value| (value as u16 * 16 + (random.next_u32() >> 28) as u16).to_le_bytes());
+    let noisy = head
+        .to_f64()
+        .into_iter()
+        .flat_map(|value| (value as u16 * 16 + (random.next_u32() >> 28) as u16).to_le_bytes());
     noisy.collect()
 }
 

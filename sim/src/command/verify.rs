@@ -332,7 +332,7 @@ fn units_in_frames(machine: &MachineSpec, words: Words) -> Outcome<Frames> {
             let frames = [frame_setup(&scene, &machine, &volume, true)?.setup];
             let mut run = Machine::cycle(&machine, frames.to_vec(), [SIDE; 3], &voxels)?;
             run.run(&|_, _| {})?;
-            let defined = cube3_definition::UnitDefinition::new(&frames[0], &voxels).base_plane();
+            let defined = cube3_definition::Definition::new(&frames[0], &voxels).base_plane();
             found.frames += 1;
             found.seen += defined.pixels.iter().filter(|pixel| pixel[3] > 0).count();
             if run.into_base_planes() != [defined] {

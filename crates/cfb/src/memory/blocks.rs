@@ -9,9 +9,9 @@
 //! mini-blocks one behind another, as far ahead of the first that is not there as the look-ahead lets it. A step of a beam goes on when the
 //! mini-blocks of its voxels are there whole, and a row leaves the buffer with the last beam that uses it.
 
-use super::ticks::Ticks;
 use super::places::{Mini, Round};
 use super::rows::{At, ReorderNeed, along, number, of_voxels, pair, words_of};
+use super::ticks::Ticks;
 use super::{MemoryCounters, Module, Served, Timing, WordPlace};
 use crate::golden::{Placement, Skew};
 use crate::unit::{CfbSpec, Scan};

@@ -95,5 +95,9 @@ impl Phantom {
 }
 
 fn unknown(name: &str) -> VolumeError {
-    VolumeError::unknown("phantom", name, "write head, sphere, marschner-lobb, shepp-logan, shells, fog, engine, checker or beating-heart")
+    VolumeError::unknown(
+        "phantom",
+        name,
+        "write head, sphere, marschner-lobb, shepp-logan, shells, fog, engine, checker or beating-heart",
+    )
 }
