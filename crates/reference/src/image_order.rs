@@ -237,21 +237,21 @@ fn cast_ray<S: Sample>(
     line: &Line,
     samples: &Samples,
 ) -> ([f64; 4], u64) {
-    let probe = |index: usize| {
+    let sample_at = |index: usize| {
         let cell = grid.cell(line.at(samples.at(index), grid.dims, grid.margin));
         PlacedSample { grid, cell }
     };
     let mut ray = Ray::START;
     let mut taken = 0;
     for index in 0..samples.count() {
-        let sample = probe(index);
+        let sample = sample_at(index);
         integrator.add(&mut ray, index, grid.value(sample.cell), samples.part(index), &sample);
         taken += 1;
         if ray.done {
             break;
         }
     }
-    (integrator.finish(&ray, probe), taken)
+    (integrator.finish(&ray, sample_at), taken)
 }
 
 /// The volume as the rays see it: `border` beyond its voxels.

@@ -164,12 +164,12 @@ impl Caster<'_> {
                 if let Some(part) = parts[column * depths + k]
                     && !ray.done
                 {
-                    integrator.add(ray, k, window.sample(column, k), part, &self.probe(window, column, k));
+                    integrator.add(ray, k, window.sample(column, k), part, &self.point(window, column, k));
                 }
             }
         }
         for (column, (pixel, ray)) in row.iter_mut().zip(&rays).enumerate() {
-            *pixel = integrator.finish(ray, |k| self.probe(window, column, k));
+            *pixel = integrator.finish(ray, |k| self.point(window, column, k));
         }
     }
 
@@ -223,7 +223,7 @@ impl Caster<'_> {
         }
     }
 
-    fn probe<'b, S: Sample>(
+    fn point<'b, S: Sample>(
         &'b self,
         window: &'b SampleWindow<'b, S>,
         column: usize,
