@@ -1,9 +1,9 @@
 //! What `cube3 bench` measures: the runs beside the memory bandwidth of the machine that it runs on.
 
 use crate::problem::Outcome;
-use cube3_channel::{Channel, Pipe, Unit};
+use cube3_channel::{Channel, Pipe};
 use cube3_function::{CanonicalVolume, render};
-use cube3_host::{Frame, VolumeInfo, frame_setup};
+use cube3_host::{ParallelFrame, VolumeInfo, frame_setup};
 use cube3_inputs::{self as inputs, LoadedVolume};
 use cube3_machine::MachineSpec;
 use cube3_pipeline::{Machine, RunError};
@@ -81,8 +81,7 @@ fn pipe(repeats: usize) -> Outcome<f64> {
         let Ok(mut channels) = channels.map_err(|error| failed = Some(error)) else {
             return;
         };
-        let mut stages: Vec<_> =
-            (0..STAGES).map(|_| Pipe::new("stage", |v: u32| v.wrapping_mul(3).wrapping_add(1))).collect();
+        let mut stages: Vec<_> = (0..STAGES).map(|_| Pipe::new(|v: u32| v.wrapping_mul(3).wrapping_add(1))).collect();
         let (mut sent, mut received) = (0, 0);
         cycles = 0;
         while received < TOKENS {
@@ -109,7 +108,7 @@ fn pipe(repeats: usize) -> Outcome<f64> {
 /// A function run of the head phantom, and what it takes to tell its speed.
 struct FunctionCase {
     volume: LoadedVolume,
-    frame: Frame,
+    frame: ParallelFrame,
     skip: bool,
 }
 
@@ -187,7 +186,7 @@ pub fn measure(sizes: &Sizes) -> Outcome<Vec<Measurement>> {
 }
 
 /// The machine and the frame of timing runs: the default view.
-fn timing_case(sizes: &Sizes) -> Outcome<(MachineSpec, Frame)> {
+fn timing_case(sizes: &Sizes) -> Outcome<(MachineSpec, ParallelFrame)> {
     let machine = inputs::machine("cube3-512")?;
     let volume = VolumeInfo { dims: [sizes.timing_size; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
     let frame = frame_setup(&Scene::default(), &machine, &volume, true)?;

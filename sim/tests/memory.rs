@@ -6,10 +6,8 @@ use cube3::memory::{self, Case, Grid, Need};
 use cube3_machine::MachineSpec;
 use cube3_scene::{Image, Perspective, Scene, VolumeSource};
 use cube3_sim::command::Arguments;
-use cube3_vectors::{Format, units};
-use cube3_volume::{
-    FileInfo, Format as VolumeFormat, NewGrid, Phantom, PhantomParams, Resampling, Space, Volume, World, write,
-};
+use cube3_vectors::{UnitFormat, units};
+use cube3_volume::{FileFormat, FileInfo, NewGrid, Phantom, PhantomParams, Resampling, Space, Volume, World, write};
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -86,7 +84,7 @@ fn runs() -> Vec<(Vec<String>, Need)> {
 /// What is known of a file that holds such a grid.
 fn about(grid: &Grid) -> FileInfo {
     FileInfo {
-        format: VolumeFormat::Nrrd,
+        format: FileFormat::Nrrd,
         dims: grid.dims,
         stored_dims: grid.dims,
         spacing: [1.0; 3],
@@ -180,17 +178,17 @@ fn estimates_are_bounds_and_not_silly() {
     cases.push((phantom, memory::volume("the phantom", &fog, false)));
     cases.push((words("volume convert fog.nrrd fog16.nrrd --bits 12"), memory::volume("fog.nrrd", &fog, true)));
     let of = |name: &str| units().into_iter().find(|unit| unit.sheet().name == name).unwrap();
-    let lanes = |lanes| Format { lanes, ..Format::default() };
+    let lanes = |lanes| UnitFormat { lanes, ..UnitFormat::default() };
     for (name, setting, format) in [("dsb", "lanes=512", lanes(512)), ("cone", "leaves=256", lanes(256))] {
         let line = format!("verify --unit {name} --set {setting} --count 20 --out out");
         cases.push((words(&line), memory::set(of(name).as_ref(), &format, true).unwrap()));
     }
-    let tables = Format { rows: 64, ..Format::default() };
+    let tables = UnitFormat { rows: 64, ..UnitFormat::default() };
     let line = "vectors --unit classify --set rows=64 --count 20000 --out out";
     cases.push((words(line), memory::set(of("classify").as_ref(), &tables, false).unwrap()));
     // Lines stream: more of them take no more.
     let line = "vectors --unit gradient-26 --count 100000 --out out";
-    cases.push((words(line), memory::set(of("gradient-26").as_ref(), &Format::default(), false).unwrap()));
+    cases.push((words(line), memory::set(of("gradient-26").as_ref(), &UnitFormat::default(), false).unwrap()));
     cases.extend(studies_and_states());
     let grown = Resampling { grid: NewGrid::Size([side + 40; 3]), ..Resampling::default() };
     cases.push((

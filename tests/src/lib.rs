@@ -23,6 +23,8 @@ use cube3_scene::{
 };
 use cube3_word::{Rounding, Words};
 use proptest::prelude::*;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
 
 /// A small volume of voxel words.
 #[derive(Clone, Debug)]
@@ -50,13 +52,9 @@ pub fn volumes(most: usize, bits: u32) -> impl Strategy<Value = SmallVolume> {
         proptest::sample::select(vec![[1.0, 1.0, 1000.0], [1000.0, 1.0, 1.0], [1.0, 1e-3, 1.0], [1e6, 1.0, 30.0]]);
     let spacing = prop_oneof![6 => Just([1.0; 3]), 2 => sides, 1 => extreme];
     (dims, spacing, any::<u64>()).prop_map(move |(dims, spacing, seed)| {
-        let mut state = seed | 1;
-        let words = (0..dims.iter().product::<usize>())
-            .map(|_| {
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                ((state >> 33) as u32 & ((1 << bits) - 1)) as u16
-            })
-            .collect();
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let words =
+            (0..dims.iter().product::<usize>()).map(|_| (random.next_u32() & ((1 << bits) - 1)) as u16).collect();
         SmallVolume { dims, spacing, words }
     })
 }

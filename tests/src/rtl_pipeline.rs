@@ -12,6 +12,8 @@ use cube3_scene::{Light, Material, Mode, Scene, View, VolumeSource};
 use cube3_vectors::rtl_frame;
 use cube3_volume::ReadOptions;
 use cube3_word::{Rounding, Words};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -324,13 +326,13 @@ impl<'a> Case<'a> {
     ///
     /// # Panics
     /// Where it cannot, and where the picture is empty: that would prove nothing.
-    pub fn prepare(&self, folder: &Path) -> Frame {
+    pub fn prepare(&self, folder: &Path) -> PreparedFrame {
         let frame = rtl_frame::export(self.machine, &self.setup, &self.volume.words)
             .unwrap_or_else(|error| panic!("{}: {error}", self.name));
         frame.write(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
         let ours = OurRun::new(self.machine());
         assert!(ours.base.pixels.iter().any(|pixel| pixel[3] > 0), "{}: an empty picture proves nothing", self.name);
-        Frame {
+        PreparedFrame {
             name: self.name.clone(),
             parameters: frame.parameters,
             folder: folder.to_owned(),
@@ -343,7 +345,7 @@ impl<'a> Case<'a> {
 
 /// A frame as files, and what our simulator does in it.
 #[derive(Clone, Debug)]
-pub struct Frame {
+pub struct PreparedFrame {
     /// Mode and view.
     pub name: String,
     /// Parameters of the design that runs it.
@@ -357,7 +359,7 @@ pub struct Frame {
 /// Cycles that a frame may take longer than ours before it is given up.
 const PATIENCE: u64 = 16;
 
-impl Frame {
+impl PreparedFrame {
     /// Cycles of the frame.
     pub fn cycles(&self) -> u64 {
         self.ours.counters.cycles
@@ -409,12 +411,9 @@ pub fn machine(n: usize, gradient: GradientMethod, words: Words) -> MachineSpec 
 
 /// A cube of random words.
 pub fn noise(n: usize, words: &Words) -> SmallVolume {
-    let mut state = 0x2545_f491_4f6c_dd1d_u64;
-    let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 48) as u16 >> (16 - words.voxel_bits)
-    };
-    SmallVolume { dims: [n; 3], spacing: [1.0; 3], words: (0..n * n * n).map(|_| next()).collect() }
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let words = (0..n * n * n).map(|_| (random.next_u32() >> (32 - words.voxel_bits)) as u16).collect();
+    SmallVolume { dims: [n; 3], spacing: [1.0; 3], words }
 }
 
 /// The default phantom as a cube.

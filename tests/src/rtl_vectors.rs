@@ -1,7 +1,7 @@
 //! Modules of `tests/rtl` against golden vectors, in Icarus Verilog and in Verilator, and modules that are broken on purpose.
 
 use crate::rtl::{MADE_SOON, folder, run, verilator_program};
-use cube3_vectors::{Format, Unit, Vectors, testbench};
+use cube3_vectors::{Unit, UnitFormat, Vectors, testbench};
 use serde::Deserialize;
 use std::path::Path;
 use std::process::Command;
@@ -19,7 +19,7 @@ impl Bench {
     ///
     /// # Panics
     /// Where it cannot be made.
-    pub fn new(unit: &dyn Unit, format: &Format, count: usize) -> Bench {
+    pub fn new(unit: &dyn Unit, format: &UnitFormat, count: usize) -> Bench {
         let directed = Vectors::directed(unit, *format, 7).expect("the sheet has values").inputs.len();
         let vectors = Vectors::generate(unit, *format, count.max(directed), 7).expect("the sheet has values");
         let folder = tempfile::tempdir().expect("a folder");

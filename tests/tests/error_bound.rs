@@ -12,6 +12,8 @@ use cube3_twin::{DiscreteOptions, sheared};
 use cube3_volume::{Samples, Volume};
 use cube3_word::{Rounding, Words, unit_full};
 use proptest::prelude::*;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
 use std::sync::Mutex;
 
 /// Data values of the voxel words.
@@ -48,17 +50,13 @@ fn volumes() -> impl Strategy<Value = SmallVolume> {
     let spacing = prop_oneof![1 => Just([1.0; 3]), 2 => [0.5..2.0_f64, 0.5..2.0_f64, 0.5..2.0_f64]];
     (dims, spacing, any::<u64>(), prop_oneof![Just(0_u32), Just(9), Just(15)]).prop_map(
         |(dims, spacing, seed, noise)| {
-            let mut state = seed | 1;
-            let mut random = || {
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                (state >> 33) as u32
-            };
-            let levels: Vec<u32> = (0..64).map(|_| LEVELS[random() as usize % LEVELS.len()]).collect();
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            let levels: Vec<u32> = (0..64).map(|_| LEVELS[random.next_u32() as usize % LEVELS.len()]).collect();
             let [nx, ny, nz] = dims;
             let words = (0..nx * ny * nz).map(|i| {
                 let [x, y, z] = [i % nx, i / nx % ny, i / (nx * ny)].map(|a| a / 2);
                 let level = levels[x + 4 * (y + 4 * z)];
-                (level + (random() & ((1 << noise) - 1))).min(65535) as u16
+                (level + (random.next_u32() & ((1 << noise) - 1))).min(65535) as u16
             });
             let words = words.collect();
             SmallVolume { dims, spacing, words }

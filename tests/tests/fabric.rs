@@ -3,7 +3,7 @@
 
 use cube3::limits::frame_interval;
 use cube3_channel::Reason;
-use cube3_host::{Frame, VolumeInfo, frame_setup};
+use cube3_host::{ParallelFrame, VolumeInfo, frame_setup};
 use cube3_machine::{Abc, Boards, Bus, Cone, ConeKind, Dsb, Frames, HostLink, MachineSpec, RaySlots, Rays};
 use cube3_pipeline::{Machine, RunCounters};
 use cube3_scene::{Scene, View};
@@ -15,7 +15,7 @@ fn base() -> MachineSpec {
     MachineSpec { lanes: N, ..MachineSpec::default() }
 }
 
-fn frame(machine: &MachineSpec, n: usize) -> Frame {
+fn frame(machine: &MachineSpec, n: usize) -> ParallelFrame {
     let scene = Scene { view: View::from_direction([0.5, 0.25, 1.0], None), ..Scene::default() };
     let volume = VolumeInfo { dims: [n; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
     frame_setup(&scene, machine, &volume, true).unwrap()

@@ -6,7 +6,7 @@ use cube3_host::{VolumeInfo, frame_setup};
 use cube3_inputs::LoadedVolume;
 use cube3_machine::{Abc, GradientMethod, MachineSpec};
 use cube3_scene::{ColourPoint, Crop, Cut, Image, Scene, View};
-use cube3_twin::{Interpolation, RaySamples};
+use cube3_twin::{RealSamples, SampleCell};
 use cube3_volume::{Samples, Volume, WordConversion};
 use cube3_word::Words;
 use glam::DVec3;
@@ -128,7 +128,7 @@ fn surfaces_have_the_mean_over_the_rays_that_meet_one_with_a_gradient() {
         let machine = machine(gradient);
         let info = VolumeInfo { dims: DIMS, spacing: SPACING, window: volume.words.window };
         let geometry = frame_setup(&scene, &machine, &info, true).unwrap().setup.geometry;
-        let samples = RaySamples::new(&volume.data, &geometry, Interpolation::Sheared, 0.0).unwrap();
+        let samples = RealSamples::new(&volume.data, &geometry, SampleCell::Sheared, 0.0).unwrap();
         let (first, [width, height]) = (geometry.first_ray(), geometry.base_plane_size());
         let (mut angles, mut lengths) = (Vec::new(), Vec::new());
         let (mut clear, mut flat) = (0, 0);

@@ -8,7 +8,7 @@ use cube3_machine::MachineSpec;
 use cube3_pipeline::Machine;
 use cube3_scene::{ColourPoint, Image, Material, Mode, Perspective, Scene, Transfer, View, VolumeSource};
 use cube3_tests::{SmallVolume, directions, for_perspective, from_eye, machines, perspectives, volumes};
-use cube3_twin::{Interpolation, RaySamples};
+use cube3_twin::{RealSamples, SampleCell};
 use cube3_volume::{Volume, WordConversion};
 use cube3_word::{quantise_unit, unit_resize};
 use proptest::prelude::*;
@@ -159,8 +159,8 @@ proptest! {
     fn references_at_the_machines_samples_have_its_labels((machine, volume, direction, _) in case()) {
         let (data, words, info) = load(&machine, &volume);
         let setups = picture_setup(&scene(direction, Mode::Composite), &machine, &info, true).unwrap().setups;
-        for interpolation in [Interpolation::Exact, Interpolation::Sheared] {
-            let samples = RaySamples::new(&data, &setups[0].geometry, interpolation, 0.0).unwrap();
+        for interpolation in [SampleCell::Exact, SampleCell::Sheared] {
+            let samples = RealSamples::new(&data, &setups[0].geometry, interpolation, 0.0).unwrap();
             for ray in Definition::new(&setups[0], &words).rays() {
                 for k in 0..setups[0].geometry.size[2] {
                     let expected = nearest(&setups[0], &volume, ray, k).map(f64::from);

@@ -7,6 +7,8 @@ use cube3_machine::MachineSpec;
 use cube3_reference::{ImageOrderOptions, image_order};
 use cube3_scene::{ColourPoint, Image, Perspective, Scene, View};
 use cube3_volume::{Phantom, PhantomParams, Samples, Volume, VoxelWords, WordConversion};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
 use std::sync::Arc;
 
 const N: usize = 64;
@@ -37,11 +39,8 @@ impl Input {
     }
 
     fn noise() -> Input {
-        let mut state = 1_u64;
-        let words = (0..N * N * N).map(|_| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 48) as u16
-        });
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let words = (0..N * N * N).map(|_| random.next_u32() as u16);
         let fog = Phantom::Fog.generate(N, &PhantomParams::default()).unwrap();
         Input::new(Volume { samples: Samples::U16(words.collect()), ..fog })
     }

@@ -14,7 +14,7 @@ use cube3_scene::{Perspective, Scene};
 use cube3_tests::{SmallVolume, for_perspective, from_eye, machines, perspectives, scenes, volumes};
 use cube3_trilin::RaySamples;
 use cube3_vectors::record::{Excerpt, RecordError, Run, record};
-use cube3_vectors::{Format, Reader, Recorder, Set, Sheet, Tables, Unit, Vectors, units};
+use cube3_vectors::{Reader, Set, Sheet, Tables, Unit, UnitFormat, Vectors, WireRecorder, units};
 use cube3_word::Probe;
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -40,7 +40,7 @@ impl Unit for Lines {
         }
     }
 
-    fn evaluate(&self, _: &Format, _: &Tables, _: &[i128], _: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, _: &UnitFormat, _: &Tables, _: &[i128], _: &mut WireRecorder) -> Vec<i128> {
         Vec::new()
     }
 }
@@ -150,7 +150,7 @@ impl Probe for Walk {
 
 /// The wires of a unit's recorded lines.
 fn wires(name: &str, vectors: &Vectors) -> Wires {
-    let mut recorder = Recorder::default();
+    let mut recorder = WireRecorder::default();
     let Set { format, tables, .. } = &vectors.set;
     for line in &vectors.inputs {
         of_name(name).evaluate(format, tables, line, &mut recorder);
@@ -357,7 +357,7 @@ proptest! {
                 let lit_of = |line: &Vec<i128>| {
                     let mut fields = Reader::new(line);
                     let (colour, diffuse, specular) = (fields.words(), fields.words(), fields.words());
-                    lit(colour, cube3_abc::golden::Light { diffuse, specular }, words).value
+                    lit(colour, cube3_abc::golden::ReflectedLight { diffuse, specular }, words).value
                 };
                 coloured = lit_lines.iter().map(lit_of).collect();
             }

@@ -4,9 +4,9 @@
 use cube3_machine::{GradientMethod, MachineSpec, RaySlots, Rays};
 use cube3_scene::{Mode, Scene};
 use cube3_tests::rtl::{all_modules, folder, require};
-use cube3_tests::rtl_pipeline::{Case, Design, Effort, Frame, Simulator, lit, machine, narrow, noise, scene};
+use cube3_tests::rtl_pipeline::{Case, Design, Effort, PreparedFrame, Simulator, lit, machine, narrow, noise, scene};
 use cube3_tests::rtl_vectors::{Bench, Break, breaks, broken};
-use cube3_vectors::{Format, units};
+use cube3_vectors::{UnitFormat, units};
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -24,7 +24,7 @@ fn caught(of: &Break, iverilog: &Path, vvp: &Path) -> Result<(), String> {
     let copy = broken(of)?;
     let unit = units().into_iter().find(|unit| unit.sheet().name == of.unit);
     let unit = unit.ok_or_else(|| format!("{}: there is no unit {}", of.what, of.unit))?;
-    for format in std::iter::once(Format::reference()).chain(unit.formats()) {
+    for format in std::iter::once(UnitFormat::reference()).chain(unit.formats()) {
         let differ = Bench::new(unit.as_ref(), &format, LINES).icarus(iverilog, vvp, copy.path());
         if differ.map_err(|error| format!("{}: \"{}\": {error}", of.module, of.what))? > 0 {
             return Ok(());
@@ -44,7 +44,7 @@ fn vectors_catch_every_break() {
 /// The frames that catch the breaks of the pipeline, in sets of the same parameters, those that catch most first: rays tilted along
 /// both axes and lit; against their direction; tilted along one axis alone; at 45°, where samples lie on planes, without a gradient;
 /// and slots that are not shared, where units stall. Short words are simulated faster.
-fn frames(folder: &Path) -> Vec<Vec<Frame>> {
+fn frames(folder: &Path) -> Vec<Vec<PreparedFrame>> {
     let words = narrow();
     let shared = machine(8, GradientMethod::Twelve, words);
     let padded = MachineSpec { rays: Rays { slots: RaySlots::Padded, ..Rays::default() }, ..shared.clone() };
@@ -68,7 +68,7 @@ fn frames(folder: &Path) -> Vec<Vec<Frame>> {
 }
 
 /// The first thing that a folder of modules does otherwise than our simulator in the frames, with the frame.
-fn first_difference(modules: &Path, sets: &[Vec<Frame>]) -> Result<Option<String>, String> {
+fn first_difference(modules: &Path, sets: &[Vec<PreparedFrame>]) -> Result<Option<String>, String> {
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
     for set in sets {
         let design = Design::of(modules, Simulator::Icarus, &set[0].parameters, Effort::Quick, folder.path())?;

@@ -2,6 +2,8 @@
 
 use cube3_channel::Channel;
 use cube3_tests::rtl;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
 use rayon::prelude::*;
 use std::fmt::Write;
 use std::path::Path;
@@ -18,14 +20,11 @@ struct Cycle {
 /// Cycles with each pair of densities.
 const CYCLES: usize = 3000;
 /// How often of 100 cycles a push and a pop are wished for: rarely, often, and all the time, on either side.
-const DENSITIES: [[u64; 2]; 6] = [[50, 50], [100, 100], [90, 20], [20, 90], [100, 30], [10, 10]];
+const DENSITIES: [[u32; 2]; 6] = [[50, 50], [100, 100], [90, 20], [20, 90], [100, 30], [10, 10]];
 
 fn wishes(seed: u64) -> Vec<Cycle> {
-    let mut state = seed;
-    let mut wish = |density: u64| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) % 100 < density
-    };
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut wish = |density: u32| random.next_u32() % 100 < density;
     let mut cycles: Vec<Cycle> = DENSITIES
         .iter()
         .flat_map(|&[push, pop]| (0..CYCLES).map(move |_| [push, pop]))

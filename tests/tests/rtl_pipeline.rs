@@ -7,7 +7,9 @@ use cube3_machine::{
 use cube3_scene::{Crop, DepthCue, Layer, Light, Mode, Perspective, Scene, Threshold, View};
 use cube3_tests::SmallVolume;
 use cube3_tests::rtl::{self, Parameters};
-use cube3_tests::rtl_pipeline::{Case, Design, Effort, Frame, Simulator, lit, machine, narrow, noise, phantom, scene};
+use cube3_tests::rtl_pipeline::{
+    Case, Design, Effort, PreparedFrame, Simulator, lit, machine, narrow, noise, phantom, scene,
+};
 use cube3_vectors::rtl_frame::{self, RtlFrameError};
 use cube3_word::Words;
 use std::process::Command;
@@ -33,7 +35,7 @@ fn check(simulator: Simulator, cases: &[Case<'_>]) {
     }
     let folder = tempfile::tempdir().unwrap();
     let prepare = |(i, case): (usize, &Case<'_>)| case.prepare(&folder.path().join(format!("frame{i}")));
-    let frames: Vec<Frame> = cases.iter().enumerate().map(prepare).collect();
+    let frames: Vec<PreparedFrame> = cases.iter().enumerate().map(prepare).collect();
     let first = &frames[0].parameters;
     let design = Design::compile(simulator, first, Effort::Quick, &folder.path().join("design"));
     for frame in &frames {

@@ -2,7 +2,7 @@
 
 use cube3_tests::rtl::{MADE_SOON, folder, require, run, verilator_program};
 use cube3_tests::rtl_vectors::Bench;
-use cube3_vectors::{Format, Unit, Vectors, testbench, units};
+use cube3_vectors::{Unit, UnitFormat, Vectors, testbench, units};
 use rayon::prelude::*;
 use std::path::Path;
 use std::process::Command;
@@ -11,8 +11,8 @@ use std::process::Command;
 const LINES: usize = 400;
 
 /// Runs a check on every unit in some of its formats, and tells all that fail.
-fn all(formats: impl Fn(&dyn Unit) -> Vec<Format> + Sync, check: impl Fn(&Bench) -> Result<usize, String> + Sync) {
-    let cases: Vec<(Box<dyn Unit>, Format)> = units()
+fn all(formats: impl Fn(&dyn Unit) -> Vec<UnitFormat> + Sync, check: impl Fn(&Bench) -> Result<usize, String> + Sync) {
+    let cases: Vec<(Box<dyn Unit>, UnitFormat)> = units()
         .into_iter()
         .flat_map(|unit| {
             let name = unit.sheet().name;
@@ -44,7 +44,7 @@ fn every_unit_in_every_format_in_icarus() {
 #[test]
 fn every_unit_in_verilator() {
     let Some(verilator) = require("verilator") else { return };
-    all(|_| vec![Format::reference()], |bench| bench.verilator(&verilator, &folder()));
+    all(|_| vec![UnitFormat::reference()], |bench| bench.verilator(&verilator, &folder()));
 }
 
 /// Runs the bench of the lerp on right and on wrong vectors: `program` is it, compiled.
@@ -71,8 +71,8 @@ fn a_bench_fails_where_nobody_else_compares_and_takes_its_own_vectors_only() {
     let made = tempfile::tempdir().unwrap();
     let path = made.path();
     let unit = |name: &str| units().into_iter().find(|unit| unit.sheet().name == name).unwrap();
-    let vectors = |name: &str, format: Format| Vectors::generate(unit(name).as_ref(), format, 300, 7).unwrap();
-    let format = Format::reference();
+    let vectors = |name: &str, format: UnitFormat| Vectors::generate(unit(name).as_ref(), format, 300, 7).unwrap();
+    let format = UnitFormat::reference();
     let right = vectors("lerp", format);
     let mut wrong = right.clone();
     wrong.outputs[299][0] ^= 1;

@@ -1,6 +1,6 @@
 //! Beams, ray slots and cycles: the counts of the geometry, and the closed form of a machine that never stalls.
 
-use cube3_host::{Frame, VolumeInfo, frame_setup};
+use cube3_host::{ParallelFrame, VolumeInfo, frame_setup};
 use cube3_machine::{ChannelSize, Channels, MachineSpec, RaySlots, Rays};
 use cube3_pipeline::{Machine, RunCounters};
 use cube3_scene::{Scene, View};
@@ -15,7 +15,7 @@ fn machine(n: usize, slots: RaySlots) -> MachineSpec {
     MachineSpec { lanes: n, rays: Rays { slots, ..Rays::default() }, ..MachineSpec::default() }
 }
 
-fn run(machine: &MachineSpec, scene: &Scene, dims: [usize; 3]) -> (Frame, RunCounters) {
+fn run(machine: &MachineSpec, scene: &Scene, dims: [usize; 3]) -> (ParallelFrame, RunCounters) {
     let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };
     let frame = frame_setup(scene, machine, &volume, true).unwrap();
     let mut run = Machine::timing(machine, vec![frame.setup.clone()]).unwrap();
@@ -28,7 +28,7 @@ fn run(machine: &MachineSpec, scene: &Scene, dims: [usize; 3]) -> (Frame, RunCou
 /// Two planes must be in the skewed buffers before a ray leaves (a single plane needs no second); a ray waits for the one
 /// on its right; the gradient waits for a plane and a ray more, and for yet one of each where slots are shared and the
 /// first is therefore shaded last.
-fn closed_form(frame: &Frame, machine: &MachineSpec) -> u64 {
+fn closed_form(frame: &ParallelFrame, machine: &MachineSpec) -> u64 {
     let [slots, planes] = frame.setup.geometry.slot_counts().map(|n| n as u64);
     let depth = frame.setup.geometry.size[2] as u64;
     let Channels { beams, aligned, rays, samples, shaded, pixels } = machine.channel;

@@ -10,7 +10,7 @@ use cube3_tests::rtl;
 use cube3_tests::waves::{Shown, Waves, of_gtkwave, of_surfer};
 use cube3_trace::{CycleWindow, Recorder};
 use cube3_vectors::compare::Compared;
-use cube3_vectors::{Answer, Comparison, Format, Vectors, around_mismatch, units};
+use cube3_vectors::{Answer, Comparison, UnitFormat, Vectors, around_mismatch, units};
 use cube3_waveform::Waveform;
 
 /// The trace of some cycles of a frame of a small volume.
@@ -27,7 +27,7 @@ fn trace(clock_hz: f64, from: u64, to: u64) -> Waveform {
 
 /// The waveform of so many lines before and behind line 20 of a unit, whose device is right but for a bit of that line.
 fn mismatch(unit: &dyn cube3_vectors::Unit, around: usize) -> (Vectors, Waveform) {
-    let vectors = Vectors::generate(unit, Format::default(), 40, 1).unwrap();
+    let vectors = Vectors::generate(unit, UnitFormat::default(), 40, 1).unwrap();
     let mut comparison = Comparison::new(&vectors.set, around);
     for (line, (inputs, outputs)) in vectors.inputs.iter().zip(&vectors.outputs).enumerate() {
         let mut given = outputs.clone();

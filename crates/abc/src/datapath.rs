@@ -9,7 +9,7 @@ use cube3_frame::{
     BESIDE, DiscreteRay, FrameSetup, FrameShape, Geometry, RayStretches, SampleBounds, Schedule, ShadingOrder,
 };
 use cube3_trilin::{RaySamples, SampleRay};
-use cube3_word::{BLOCK, Block};
+use cube3_word::{BLOCK_LANES, LaneBlock};
 use serde::{Deserialize, Serialize};
 
 /// Coloured samples of a ray slot in order of depth, block by block. The sample at depth k is in lane `(slot + k) mod lanes`.
@@ -24,13 +24,13 @@ impl ShadedSamples {
             samples.iter().enumerate().for_each(|(lane, sample)| block.put(lane, sample));
             block
         };
-        ShadedSamples(samples.chunks(BLOCK).map(block).collect())
+        ShadedSamples(samples.chunks(BLOCK_LANES).map(block).collect())
     }
 
     /// The sample at a depth.
     #[inline]
     pub fn at(&self, depth: usize) -> Shaded {
-        self.0[depth / BLOCK].at(depth % BLOCK)
+        self.0[depth / BLOCK_LANES].at(depth % BLOCK_LANES)
     }
 }
 
@@ -119,7 +119,7 @@ impl Parallel {
     fn new(setup: &FrameSetup, slots: usize) -> Option<Parallel> {
         let geometry = &setup.geometry;
         let bounds = SampleBounds::new(geometry)?;
-        let words = geometry.size[2].div_ceil(BLOCK);
+        let words = geometry.size[2].div_ceil(BLOCK_LANES);
         let mut along_u = vec![[0; BESIDE]; slots * words];
         let mut rays = Vec::new();
         for (slot, along_u) in along_u.chunks_mut(words).enumerate() {
@@ -162,11 +162,11 @@ struct Any {
 
 /// Samples of neighbour rays whose bits are set, and the border elsewhere.
 #[inline(always)]
-fn select(samples: [&Block<i32>; 4], bits: [u16; 4], border: i32) -> [Block<i32>; 4] {
+fn select(samples: [&LaneBlock<i32>; 4], bits: [u16; 4], border: i32) -> [LaneBlock<i32>; 4] {
     // Loaded before they are chosen from: a word that is loaded under a condition costs a branch.
     let samples = [*samples[0], *samples[1], *samples[2], *samples[3]];
-    let mut out = [[0; BLOCK]; 4];
-    for i in 0..BLOCK {
+    let mut out = [[0; BLOCK_LANES]; 4];
+    for i in 0..BLOCK_LANES {
         for j in 0..4 {
             out[j][i] = if u32::from(bits[j]) >> i & 1 == 0 { border } else { samples[j][i] };
         }
@@ -193,8 +193,8 @@ impl Shader {
     pub fn new(setup: &FrameSetup, schedule: &Schedule, planes: usize, skip: bool) -> Shader {
         let ring = setup.ring(planes);
         let FrameShape { slots, planes: frame_planes, closes, .. } = *schedule.shape();
-        let depths = setup.geometry.size[2].div_ceil(BLOCK) * BLOCK;
-        let row = depths + BLOCK;
+        let depths = setup.geometry.size[2].div_ceil(BLOCK_LANES) * BLOCK_LANES;
+        let row = depths + BLOCK_LANES;
         let empty: Plane = vec![0; slots * row];
         let kept = if closes[1] { frame_planes.min(2) } else { 0 };
         let rows_kept = |planes| vec![vec![0; BORDER * row]; planes];
@@ -257,7 +257,7 @@ impl Shade for Shader {
     type Output = ShadedSamples;
 
     fn blank(&self) -> ShadedSamples {
-        ShadedSamples(vec![ShadedBlock::default(); self.row / BLOCK - 1])
+        ShadedSamples(vec![ShadedBlock::default(); self.row / BLOCK_LANES - 1])
     }
 
     fn take(&mut self, _: &FrameSetup, ray: &mut SampleRay<RaySamples>) {
@@ -267,7 +267,7 @@ impl Shade for Shader {
         let held = in_ring(counted, self.kept, self.planes.len());
         let place = &mut self.planes[held][row.clone()];
         for (from, block) in ray.data.0.iter().enumerate() {
-            if let Some(place) = place[from * BLOCK + 1..].first_chunk_mut() {
+            if let Some(place) = place[from * BLOCK_LANES + 1..].first_chunk_mut() {
                 *place = block.samples;
             }
         }
@@ -287,7 +287,7 @@ impl Shade for Shader {
     }
 
     fn give(&mut self, setup: &FrameSetup, plane: usize, slot: usize, output: &mut ShadedSamples) {
-        if output.0.len() != self.row / BLOCK - 1 {
+        if output.0.len() != self.row / BLOCK_LANES - 1 {
             *output = self.blank();
         }
         if let Some(stretches) = &self.stretches {
@@ -344,22 +344,22 @@ impl Shader {
         let Parallel { along_u, along_v, rays: [rays_u, rays_v], .. } = parallel;
         let along_u = &along_u[slot * along_v.len()..];
         for (word, ((out, along_u), along_v)) in output.0.iter_mut().zip(along_u).zip(along_v).enumerate() {
-            let from = word * BLOCK;
-            let count = BLOCK.min(depths - from);
-            let samples = |w: usize, v: usize, u: usize| -> &Block<i32> {
-                planes[v][starts[u] + from + w..].first_chunk().unwrap_or(&[0; BLOCK])
+            let from = word * BLOCK_LANES;
+            let count = BLOCK_LANES.min(depths - from);
+            let samples = |w: usize, v: usize, u: usize| -> &LaneBlock<i32> {
+                planes[v][starts[u] + from + w..].first_chunk().unwrap_or(&[0; BLOCK_LANES])
             };
             let bits = |w: usize, v: usize, u: usize| along_u[3 * w + u] & along_v[3 * w + v];
             let at =
                 |lane: usize| [i64::from(rays_u[from + lane]), i64::from(rays_v[from + lane]), (from + lane) as i64];
-            for End { lane, class } in ends.iter().filter(|end| end.lane / BLOCK == word) {
+            for End { lane, class } in ends.iter().filter(|end| end.lane / BLOCK_LANES == word) {
                 arithmetic.end(lane - from, *class);
             }
             let saturated = arithmetic.shade_block(
                 #[inline(always)]
                 |out: &mut ShadedBlock| {
                     let here = u32::from(bits(1, 1, 1));
-                    for i in 0..BLOCK {
+                    for i in 0..BLOCK_LANES {
                         out.present[i] = here >> i & 1;
                     }
                     for clip in &setup.clips {
@@ -436,7 +436,7 @@ impl Shader {
                 opacity: row.opacity[k],
                 colour: [row.colour[0][k], row.colour[1][k], row.colour[2][k]],
             };
-            output.0[k / BLOCK].put(k % BLOCK, &shaded);
+            output.0[k / BLOCK_LANES].put(k % BLOCK_LANES, &shaded);
         }
     }
 }

@@ -301,7 +301,7 @@ pub(crate) fn magnitude(length: u64, zeros: u32, bits: u32) -> u32 {
 /// Diffuse and specular light on a sample: what multiplies its colour (fractions of `colour_bits`) and what is added
 /// to it (on the scale of a unit colour word).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Light {
+pub struct ReflectedLight {
     /// Multiplies.
     pub diffuse: [u32; 3],
     /// Is added.
@@ -309,7 +309,7 @@ pub struct Light {
 }
 
 /// Phong's formula in integers, with lights that are the same for all samples.
-pub fn phong(normal: [i32; 3], phong: &Phong, words: &Words) -> Light {
+pub fn phong(normal: [i32; 3], phong: &Phong, words: &Words) -> ReflectedLight {
     phong_from(normal, phong, |light| [phong.lights[light].direction, phong.lights[light].halfway], words)
 }
 
@@ -324,7 +324,12 @@ pub fn halfway(light: [i32; 3], view: [i32; 3], table: &Normaliser, words: &Word
 }
 
 /// Phong's formula with the direction of each light and what is halfway between it and the eye, as `towards(light)` gives them.
-pub fn phong_from(normal: [i32; 3], phong: &Phong, towards: impl Fn(usize) -> [[i32; 3]; 2], words: &Words) -> Light {
+pub fn phong_from(
+    normal: [i32; 3],
+    phong: &Phong,
+    towards: impl Fn(usize) -> [[i32; 3]; 2],
+    words: &Words,
+) -> ReflectedLight {
     phong_wires(normal, phong, towards, words, &mut ())
 }
 
@@ -335,9 +340,9 @@ pub fn phong_wires(
     towards: impl Fn(usize) -> [[i32; 3]; 2],
     words: &Words,
     probe: &mut impl Probe,
-) -> Light {
+) -> ReflectedLight {
     let one_bits = words.normal_bits - 1;
-    let mut light = Light { diffuse: [phong.ambient; 3], specular: [0; 3] };
+    let mut light = ReflectedLight { diffuse: [phong.ambient; 3], specular: [0; 3] };
     for (number, source) in phong.lights.iter().enumerate() {
         let [direction, halfway] = towards(number);
         let towards = probe.within("towards", number, |probe| cosine(normal, direction, phong.two_sided, words, probe));
@@ -420,25 +425,25 @@ pub fn direction_index_wires(gradient: [i32; 3], bits: u32, probe: &mut impl Pro
 }
 
 /// Light on a sample by table.
-pub fn reflectance(gradient: [i32; 3], table: &ReflectanceTable) -> Light {
+pub fn reflectance(gradient: [i32; 3], table: &ReflectanceTable) -> ReflectedLight {
     reflectance_wires(gradient, table, &mut ())
 }
 
 /// [`reflectance`], and what its wires carry.
-pub fn reflectance_wires(gradient: [i32; 3], table: &ReflectanceTable, probe: &mut impl Probe) -> Light {
+pub fn reflectance_wires(gradient: [i32; 3], table: &ReflectanceTable, probe: &mut impl Probe) -> ReflectedLight {
     match direction_index_wires(gradient, table.bits, probe) {
-        Some(index) => Light { diffuse: table.diffuse[index], specular: table.specular[index] },
-        None => Light { diffuse: [table.flat; 3], specular: [0; 3] },
+        Some(index) => ReflectedLight { diffuse: table.diffuse[index], specular: table.specular[index] },
+        None => ReflectedLight { diffuse: [table.flat; 3], specular: [0; 3] },
     }
 }
 
 /// The colour of a lit sample, saturated at 1.
-pub fn lit(colour: [u32; 3], light: Light, words: &Words) -> Counted<[u32; 3]> {
+pub fn lit(colour: [u32; 3], light: ReflectedLight, words: &Words) -> Counted<[u32; 3]> {
     counted(lit_wires(colour, light, words, &mut ()))
 }
 
 /// [`lit`], whether each word was saturated, and what its wires carry.
-pub fn lit_wires(colour: [u32; 3], light: Light, words: &Words, probe: &mut impl Probe) -> [(u32, bool); 3] {
+pub fn lit_wires(colour: [u32; 3], light: ReflectedLight, words: &Words, probe: &mut impl Probe) -> [(u32, bool); 3] {
     let full = i64::from(unit_full(words.colour_bits));
     [0, 1, 2].map(|i| {
         let product = i64::from(colour[i]) * i64::from(light.diffuse[i]);
@@ -626,7 +631,7 @@ pub struct Stages {
     /// Of each light of Phong's formula the direction, and what is halfway between it and the eye.
     pub towards: Vec<[[i32; 3]; 2]>,
     /// Light on the sample, where colours are lit.
-    pub light: Option<Light>,
+    pub light: Option<ReflectedLight>,
     /// The colour in that light.
     pub lit: [u32; 3],
     /// The depth cue's factor.

@@ -1,7 +1,7 @@
 //! The same arithmetic for many samples at once.
 //!
 //! A row is any run of samples whose neighbours a function can give for each lane: the rays of a plane at one depth, or
-//! the depths of one ray. It is shaded in blocks of [`BLOCK`] lanes, each from its neighbourhood to its colours before the next
+//! the depths of one ray. It is shaded in blocks of [`BLOCK_LANES`] lanes, each from its neighbourhood to its colours before the next
 //! begins. Arithmetic is in 32 bits where the words allow it, in 64 where they do not.
 //!
 //! The loops over the lanes of a block are long on purpose, a whole stage each: a compiler makes vectors of a long loop, while short
@@ -16,7 +16,7 @@ use crate::ends::End;
 use crate::golden;
 use crate::perspective::RayLanes;
 use cube3_frame::{FrameSetup, Geometry, LinearFactor, Normaliser, Shading};
-use cube3_word::{BLOCK, Block, Words, block, put_block, vectorised};
+use cube3_word::{BLOCK_LANES, LaneBlock, Words, block, put_block, vectorised};
 use serde::{Deserialize, Serialize};
 
 pub use crate::perspective::LocalBlock;
@@ -32,7 +32,7 @@ use normalise::{lengths, normalise};
 
 /// The samples of a block and their 26 neighbours, `[9 w + 3 v + u]`, each index 0 to 2: the samples themselves at
 /// [`HERE`].
-pub type Around = [Block<i32>; 27];
+pub type Around = [LaneBlock<i32>; 27];
 
 /// The place of the samples themselves.
 pub const HERE: usize = 13;
@@ -59,13 +59,13 @@ pub struct ShadedRow {
 #[repr(C, align(64))]
 pub struct ShadedBlock {
     /// 1 where the sample takes part, 0 where not. To be shaded, where it is in the volume.
-    pub present: Block<u32>,
+    pub present: LaneBlock<u32>,
     /// Sample words.
-    pub samples: Block<i32>,
+    pub samples: LaneBlock<i32>,
     /// Opacity.
-    pub opacity: Block<u32>,
+    pub opacity: LaneBlock<u32>,
     /// Red, green, blue; 0 where the opacity is.
-    pub colour: [Block<u32>; 3],
+    pub colour: [LaneBlock<u32>; 3],
 }
 
 impl ShadedBlock {
@@ -128,13 +128,13 @@ pub type Neighbours = [Neighbour; 4];
 #[repr(C, align(64))]
 struct Stages {
     around: Around,
-    gradient: [Block<i32>; 3],
-    overflow: Block<u32>,
-    direction: [Block<i32>; 3],
-    magnitude: Block<u32>,
-    diffuse: [Block<u32>; 3],
-    specular: [Block<u32>; 3],
-    class: Block<u32>,
+    gradient: [LaneBlock<i32>; 3],
+    overflow: LaneBlock<u32>,
+    direction: [LaneBlock<i32>; 3],
+    magnitude: LaneBlock<u32>,
+    diffuse: [LaneBlock<u32>; 3],
+    specular: [LaneBlock<u32>; 3],
+    class: LaneBlock<u32>,
     /// Towards the light in hand and halfway to it, in perspective.
     towards: Towards,
     /// The block that a row is shaded in.
@@ -145,16 +145,16 @@ struct Stages {
 impl Stages {
     fn new() -> Stages {
         Stages {
-            around: [[0; BLOCK]; 27],
-            gradient: [[0; BLOCK]; 3],
-            overflow: [0; BLOCK],
-            direction: [[0; BLOCK]; 3],
-            magnitude: [0; BLOCK],
-            diffuse: [[0; BLOCK]; 3],
-            specular: [[0; BLOCK]; 3],
-            class: [0; BLOCK],
+            around: [[0; BLOCK_LANES]; 27],
+            gradient: [[0; BLOCK_LANES]; 3],
+            overflow: [0; BLOCK_LANES],
+            direction: [[0; BLOCK_LANES]; 3],
+            magnitude: [0; BLOCK_LANES],
+            diffuse: [[0; BLOCK_LANES]; 3],
+            specular: [[0; BLOCK_LANES]; 3],
+            class: [0; BLOCK_LANES],
             local: LocalBlock::default(),
-            towards: Towards([[[0; BLOCK]; 3]; 2]),
+            towards: Towards([[[0; BLOCK_LANES]; 3]; 2]),
             out: ShadedBlock::default(),
         }
     }
@@ -216,13 +216,13 @@ impl AbcLanes {
         vectorised(
             #[inline(always)]
             || {
-                for from in (0..n).step_by(BLOCK) {
+                for from in (0..n).step_by(BLOCK_LANES) {
                     shaded.samples = block(samples, from);
                     let present = block(&out.present, from);
                     shaded.present = present.map(u32::from);
-                    let count = BLOCK.min(n - from);
+                    let count = BLOCK_LANES.min(n - from);
                     while let [End { lane, class }, behind @ ..] = ends
-                        && *lane < from + BLOCK
+                        && *lane < from + BLOCK_LANES
                     {
                         self.end(lane - from, *class);
                         ends = behind;
@@ -319,7 +319,7 @@ impl AbcLanes {
             self.end_stage(out);
         }
         if self.skip && !any(&out.opacity) {
-            out.colour = [[0; BLOCK]; 3];
+            out.colour = [[0; BLOCK_LANES]; 3];
             return None;
         }
         if !first {
@@ -356,7 +356,7 @@ impl AbcLanes {
         fill: &impl Fn(&[Neighbours], &mut Around),
         count: usize,
         at: impl Fn(usize) -> [i64; 3] + Copy,
-        samples: &Block<i32>,
+        samples: &LaneBlock<i32>,
     ) {
         if self.gradient.is_some() {
             fill(&self.reads, &mut self.stages.around);
@@ -370,7 +370,7 @@ impl AbcLanes {
     fn clear_transparent(&self, out: &mut ShadedBlock) -> u32 {
         let ShadedBlock { opacity, colour: [red, green, blue], .. } = out;
         let mut counted = self.stages.overflow;
-        for i in 0..BLOCK {
+        for i in 0..BLOCK_LANES {
             let seen = if opacity[i] == 0 { 0 } else { u32::MAX };
             red[i] &= seen;
             green[i] &= seen;
@@ -381,9 +381,9 @@ impl AbcLanes {
     }
 
     #[inline(always)]
-    fn gradient_stage(&mut self, count: usize, at: impl Fn(usize) -> [i64; 3] + Copy, samples: &Block<i32>) {
+    fn gradient_stage(&mut self, count: usize, at: impl Fn(usize) -> [i64; 3] + Copy, samples: &LaneBlock<i32>) {
         let Stages { around, gradient: out, overflow, local, .. } = &mut self.stages;
-        *overflow = [0; BLOCK];
+        *overflow = [0; BLOCK_LANES];
         let Some(gradient) = &self.gradient else {
             return;
         };
@@ -408,7 +408,7 @@ impl AbcLanes {
             for lane in lanes.clone().filter(|&lane| rays.is_first(at(lane))) {
                 from[..9].iter_mut().for_each(|before| before[lane] = samples[lane]);
             }
-            let (mut part, mut saturated) = ([[0; BLOCK]; 3], [0; BLOCK]);
+            let (mut part, mut saturated) = ([[0; BLOCK_LANES]; 3], [0; BLOCK_LANES]);
             gradient.run_local(&from, local, mirrored, &mut part, &mut saturated);
             for (out, part) in out.iter_mut().zip(&part) {
                 out[lanes.clone()].copy_from_slice(&part[lanes.clone()]);
@@ -462,13 +462,13 @@ impl AbcLanes {
 
 /// Whether any word is not 0.
 #[inline(always)]
-fn any(words: &Block<u32>) -> bool {
+fn any(words: &LaneBlock<u32>) -> bool {
     words.iter().fold(0, |any, word| any | word) != 0
 }
 
 /// A row, block by block.
-fn blocks<const N: usize>(rows: &[Vec<i32>; N], mut each: impl FnMut(usize, [Block<i32>; N])) {
-    for from in (0..rows[0].len()).step_by(BLOCK) {
+fn blocks<const N: usize>(rows: &[Vec<i32>; N], mut each: impl FnMut(usize, [LaneBlock<i32>; N])) {
+    for from in (0..rows[0].len()).step_by(BLOCK_LANES) {
         each(from, rows.each_ref().map(|row| block(row, from)));
     }
 }
@@ -480,11 +480,11 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_sample_of_a_block_comes_back(present: bool, sample: i32, opacity: u32, colour: [u32; 3], lane in 0..BLOCK) {
+        fn a_sample_of_a_block_comes_back(present: bool, sample: i32, opacity: u32, colour: [u32; 3], lane in 0..BLOCK_LANES) {
             let shaded = golden::Shaded { present, sample, opacity, colour };
             let mut block = ShadedBlock::default();
             block.put(lane, &shaded);
-            for other in 0..BLOCK {
+            for other in 0..BLOCK_LANES {
                 let expected = if other == lane { shaded } else { golden::Shaded::default() };
                 prop_assert_eq!(block.at(other), expected);
             }

@@ -2,22 +2,22 @@
 
 use crate::golden::{halfway, view_vector};
 use cube3_frame::{FrameSetup, Normaliser, Phong, RayRegisters};
-use cube3_word::{Block, Words};
+use cube3_word::{LaneBlock, Words};
 use std::ops::Range;
 
 /// Weights and factors of a block of gradients, by lane; see [`crate::golden::Local`].
 #[derive(Clone, Debug, Default)]
 pub struct LocalBlock {
     /// Along u and v; see [`crate::golden::Local::here`].
-    pub here: [Block<i32>; 2],
+    pub here: [LaneBlock<i32>; 2],
     /// See [`crate::golden::Local::behind`].
-    pub behind: [Block<i32>; 2],
+    pub behind: [LaneBlock<i32>; 2],
     /// See [`crate::golden::Local::before`].
-    pub before: [Block<i32>; 2],
+    pub before: [LaneBlock<i32>; 2],
     /// Of the three components.
-    pub factors: [Block<i32>; 3],
+    pub factors: [LaneBlock<i32>; 3],
     /// Absent where rays are nowhere less than a voxel apart.
-    pub nearness: Option<Block<u32>>,
+    pub nearness: Option<LaneBlock<u32>>,
 }
 
 /// The registers of rays, and what has been made of them for the rays aimed at.
@@ -116,7 +116,7 @@ impl RayLanes {
             let [column, row] = self.slot(at(lane));
             let k = at(lane)[2] as usize;
             let slopes = [registers.slope_u[column], registers.slope_v[row]];
-            let weigh = |out: &mut [Block<i32>; 2], k: usize| {
+            let weigh = |out: &mut [LaneBlock<i32>; 2], k: usize| {
                 for (out, slope) in out.iter_mut().zip(slopes) {
                     out[lane] = RayRegisters::shear(slope, registers.closeness[k], self.weight_bits) as i32;
                 }
@@ -141,7 +141,7 @@ impl RayLanes {
         direction: [i32; 3],
         count: usize,
         at: impl Fn(usize) -> [i64; 3] + Copy,
-        [light, half]: &mut [[Block<i32>; 3]; 2],
+        [light, half]: &mut [[LaneBlock<i32>; 3]; 2],
     ) {
         let at_eye = self.registers.at_eye[number];
         let halfway = if at_eye { &self.view } else { &self.halfway[number] };

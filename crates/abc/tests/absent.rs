@@ -7,7 +7,7 @@ use registers::{Dice, frame, neighbourhood};
 
 #[test]
 fn a_sample_that_takes_no_part_keeps_its_word_and_has_nothing_else() {
-    let mut dice = Dice(1995);
+    let mut dice = Dice::new(1995);
     let (mut cut, mut outside) = (0, 0);
     for _ in 0..2000 {
         let setup = frame(&mut dice);

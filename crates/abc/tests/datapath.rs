@@ -15,7 +15,7 @@ use registers::{Dice, hosted_frame};
 /// A sample word for each place, from a seed; large flat regions with noise on some of them.
 fn sample(seed: u64, ray: DiscreteRay, k: i64, bits: u32) -> i32 {
     let place = (ray.u as u64) << 40 ^ (ray.v as u64 & 0xffff) << 20 ^ k as u64;
-    let mut dice = Dice(seed ^ place.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    let mut dice = Dice::at(seed, place);
     dice.word(0, unit_full(bits)) as i32
 }
 
@@ -72,7 +72,7 @@ proptest! {
 
     #[test]
     fn a_frame_through_the_unit_has_the_golden_bits(seed: u64, lanes in 1_usize..12, skip: bool, slow in 1_u64..4) {
-        let mut dice = Dice(seed);
+        let mut dice = Dice::new(seed);
         let mut setup = hosted_frame(&mut dice);
         if let Some(registers) = &mut setup.gradient {
             registers.border = dice.word(0, unit_full(setup.words.sample_bits())) as i32;

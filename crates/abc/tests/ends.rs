@@ -123,7 +123,7 @@ proptest! {
     /// last have no part.
     #[test]
     fn the_parts_of_a_rays_samples_are_its_length(seed: u64) {
-        let (scene, setups) = frames(&mut Dice(seed));
+        let (scene, setups) = frames(&mut Dice::new(seed));
         for setup in &setups {
             let ends = setup.ends.as_ref().unwrap();
             let rounding = if setup.rays.is_some() { 1e-4 } else { 1e-8 };
@@ -174,7 +174,7 @@ proptest! {
     /// A parallel ray enters and leaves within two steps of its first and last sample: no length is lost at the faces of the volume.
     #[test]
     fn a_parallel_ray_is_never_longer_than_its_samples_reach(seed: u64) {
-        let mut dice = Dice(seed);
+        let mut dice = Dice::new(seed);
         let dims = [0; 3].map(|_| dice.within(2, 9) as usize);
         let scene = Scene { view: View::from_direction(direction(&mut dice), None), ..Scene::default() };
         let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };

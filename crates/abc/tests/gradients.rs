@@ -54,7 +54,7 @@ fn truth(method: GradientMethod, g: [f64; 3], slopes: [f64; 2], feet: [f64; 2]) 
 fn affine_fields_whose_products_are_whole_come_out_to_the_bit() {
     let weight_bits = 4;
     let one = 1_i64 << weight_bits;
-    let mut dice = Dice(1);
+    let mut dice = Dice::new(1);
     for case in 0..4000 {
         let rounding = if case % 2 == 0 { Rounding::Nearest } else { Rounding::Truncate };
         let slopes = [dice.within(0, one), dice.within(0, one)].map(|slope| slope as u32);
@@ -77,7 +77,7 @@ fn affine_fields_whose_products_are_whole_come_out_to_the_bit() {
 /// weights. The shear of 6d and 26d takes two such differences off the third, and is rounded itself: 4.
 #[test]
 fn any_affine_field_comes_out_within_the_roundings() {
-    let mut dice = Dice(2);
+    let mut dice = Dice::new(2);
     let mut worst = [[0.0_f64; 2]; 7];
     for case in 0..20_000 {
         let rounding = if case % 2 == 0 { Rounding::Nearest } else { Rounding::Truncate };
@@ -123,7 +123,7 @@ fn along_an_axis_every_estimator_is_the_central_difference() {
 fn the_hosts_registers_point_every_orthogonal_estimator_along_the_gradient() {
     // Views with two slopes and voxels that are not cubes. 10 normalised has a frame of its own, orthogonal while one
     // slope is 0 and the foot of the perpendicular is no more than a step away.
-    let mut dice = Dice(3);
+    let mut dice = Dice::new(3);
     let mut worst = 0.0_f64;
     for _ in 0..200 {
         let spacing = [0; 3].map(|_| dice.real(0.5, 2.0));

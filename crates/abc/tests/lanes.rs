@@ -8,7 +8,7 @@ use cube3_abc::golden::{Neighbourhood, Shaded, opacity_class, shade};
 use cube3_abc::lanes::{AbcLanes, Around, Neighbours, ShadedBlock, ShadedRow};
 use cube3_frame::{FrameSetup, GradientRegisters, Shading};
 use cube3_machine::GradientMethod;
-use cube3_word::{BLOCK, Rounding, Words, unit_full, vectorised};
+use cube3_word::{BLOCK_LANES, Rounding, Words, unit_full, vectorised};
 use proptest::prelude::*;
 use registers::{Dice, bright, frame, hosted_frame, neighbourhood, normaliser};
 use std::cell::Cell;
@@ -112,7 +112,7 @@ proptest! {
 
     #[test]
     fn rows_have_the_golden_bits_for_any_registers(seed: u64) {
-        let mut dice = Dice(seed);
+        let mut dice = Dice::new(seed);
         let setup = frame(&mut dice);
         let rows: Vec<Row> = [17, 70, 0, 5].into_iter().map(|n| row(&mut dice, &setup, n)).collect();
         assert_golden(&setup, &rows);
@@ -120,7 +120,7 @@ proptest! {
 
     #[test]
     fn rows_have_the_golden_bits_for_the_hosts_registers(seed: u64) {
-        let mut dice = Dice(seed);
+        let mut dice = Dice::new(seed);
         let setup = hosted_frame(&mut dice);
         let rows: Vec<Row> = [33, 9].into_iter().map(|n| row(&mut dice, &setup, n)).collect();
         assert_golden(&setup, &rows);
@@ -130,7 +130,7 @@ proptest! {
 /// The widest sums of the light unit, where 32 bits end: scattered light alone in red, highlights alone in blue.
 #[test]
 fn bright_lights_on_wide_colours() {
-    let mut dice = Dice(5);
+    let mut dice = Dice::new(5);
     for (colour_bits, normal_bits, lights) in (11..=16)
         .flat_map(|colour| [4, 9, 12, 15].map(|normal| (colour, normal)))
         .flat_map(|(colour, normal)| [0, 1, 2, 8].map(|lights| (colour, normal, lights)))
@@ -156,7 +156,7 @@ fn bright_lights_on_wide_colours() {
 /// With `skip`, a block without any opacity is left before its neighbours are asked for; any opacity brings them.
 #[test]
 fn a_transparent_block_is_left_out() {
-    let mut dice = Dice(11);
+    let mut dice = Dice::new(11);
     let mut seen = [0; 2];
     while seen[0] < 20 || seen[1] < 20 {
         let mut setup = frame(&mut dice);
@@ -166,17 +166,17 @@ fn a_transparent_block_is_left_out() {
         let transparent = seen[0] <= seen[1];
         setup.classification.opacity.fill(u32::from(!transparent));
         setup.classification.threshold = [0, u32::MAX];
-        let samples = row(&mut dice, &setup, BLOCK).samples;
+        let samples = row(&mut dice, &setup, BLOCK_LANES).samples;
         for skip in [false, true] {
             let mut lanes = AbcLanes::new(&setup, skip);
             let filled = Cell::new(false);
             let begin = |block: &mut ShadedBlock| {
-                block.present = [1; BLOCK];
+                block.present = [1; BLOCK_LANES];
                 block.samples = std::array::from_fn(|lane| samples[lane][1][1][1]);
             };
             let fill = |_: &[Neighbours], _: &mut Around| filled.set(true);
             let mut out = ShadedBlock::default();
-            let saturated = lanes.shade_block(begin, fill, BLOCK, |_| [0; 3], &setup.geometry, &mut out);
+            let saturated = lanes.shade_block(begin, fill, BLOCK_LANES, |_| [0; 3], &setup.geometry, &mut out);
             let left_out = skip && transparent;
             assert_eq!((saturated.is_none(), filled.get()), (left_out, !left_out), "skip {skip}, {setup:?}");
         }
@@ -205,7 +205,7 @@ fn every_neighbourhood_of_one_bit_voxels() {
         for rounding in [Rounding::Nearest, Rounding::Truncate] {
             for weight_bits in 0..=2 {
                 for weights in 0..(1_u32 << weight_bits) + 1 {
-                    let mut dice = Dice(u64::from(weights));
+                    let mut dice = Dice::new(u64::from(weights));
                     let lit = loop {
                         let setup = frame(&mut dice);
                         if setup.shading.is_some() && setup.clips.is_empty() && setup.words.voxel_bits == 1 {

@@ -50,7 +50,7 @@ const VOLUME: VolumeInfo = VolumeInfo { dims: [4; 3], spacing: [1.0; 3], window:
 /// its two products, the entry of the highlight's table and its share of the colour.
 #[test]
 fn phong_in_integers_is_phong_in_reals_within_the_words() {
-    let mut dice = Dice(11);
+    let mut dice = Dice::new(11);
     let mut worst = 0.0_f64;
     let mut compared = 0;
     for _ in 0..1500 {
@@ -98,7 +98,7 @@ fn phong_in_integers_is_phong_in_reals_within_the_words() {
 /// The table's cells are 2/2^bits wide on a face, and their middles at most half a diagonal, √2/2^bits, away.
 #[test]
 fn the_reflectance_table_is_phong_in_reals_within_half_a_cell() {
-    let mut dice = Dice(12);
+    let mut dice = Dice::new(12);
     let mut worst = 0.0_f64;
     for _ in 0..60 {
         let (scene, machine) = (scene(&mut dice, 10.0), machine(ShadingUnit::ReflectanceTable));

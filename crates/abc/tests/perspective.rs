@@ -78,7 +78,7 @@ proptest! {
 
     #[test]
     fn rows_and_rays_have_the_golden_bits(seed: u64, skip: bool) {
-        let mut dice = Dice(seed);
+        let mut dice = Dice::new(seed);
         for setup in frames(&mut dice) {
             let pass = setup.geometry.perspective.as_ref().unwrap();
             let us = pass.u.first..pass.u.first + pass.u.count() as i64;
@@ -143,7 +143,7 @@ proptest! {
 
     #[test]
     fn a_gradient_in_the_mirror_is_the_mirrored_gradient(seed: u64, mirror_u: bool, mirror_v: bool) {
-        let mut dice = Dice(seed);
+        let mut dice = Dice::new(seed);
         // Without a bit to drop, as rounding has a side.
         let voxel_bits = dice.word(1, 16);
         let words = Words { voxel_bits, sample_fraction_bits: 0, gradient_bits: voxel_bits + 1, weight_bits: 6, ..words(&mut dice) };

@@ -14,7 +14,7 @@ use registers::{Dice, frame as any_frame};
 
 /// A frame in all that its timing depends on.
 #[derive(Clone, Copy, Debug)]
-struct Frame {
+struct TimedFrame {
     ray_cycles: u64,
     slots: u64,
     planes: u64,
@@ -25,7 +25,7 @@ struct Frame {
     section: Option<usize>,
 }
 
-impl Frame {
+impl TimedFrame {
     fn schedule(&self) -> Schedule {
         let (slots, lanes) = (self.slots as usize, 3);
         Schedule::of_shape(FrameShape {
@@ -55,13 +55,13 @@ impl Frame {
 }
 
 /// Frames of every small shape, taken whole and in sections.
-fn frames() -> impl Iterator<Item = Frame> {
+fn frames() -> impl Iterator<Item = TimedFrame> {
     let closes = [[false, false], [false, true], [true, false], [true, true]];
     let sizes = (1..=6_u64).flat_map(|slots| (1..=6_u64).map(move |planes| (slots, planes)));
     let shapes = sizes.flat_map(move |size| closes.map(|closes| (size, closes)));
     shapes.flat_map(|((slots, planes), closes)| {
         let kinds = [false, true].into_iter().flat_map(move |buffered| (1..=slots).map(move |width| (buffered, width)));
-        kinds.map(move |(buffered, width)| Frame {
+        kinds.map(move |(buffered, width)| TimedFrame {
             closes,
             buffered,
             section: Some(width as usize),
@@ -71,12 +71,12 @@ fn frames() -> impl Iterator<Item = Frame> {
 }
 
 /// A frame with a gradient that reads the next rays, taken whole, on four planes; no slots are shared.
-fn frame_of(slots: u64, planes: u64) -> Frame {
-    Frame { ray_cycles: 1, slots, planes, closes: [false; 2], buffered: true, reach: 1, ring: 4, section: None }
+fn frame_of(slots: u64, planes: u64) -> TimedFrame {
+    TimedFrame { ray_cycles: 1, slots, planes, closes: [false; 2], buffered: true, reach: 1, ring: 4, section: None }
 }
 
 /// The rays of a frame, plane and slot, in the order in which they come.
-fn taken(frame: &Frame) -> Vec<(u32, u32)> {
+fn taken(frame: &TimedFrame) -> Vec<(u32, u32)> {
     frame.schedule().finished_rays().map(|ray| (ray.plane, ray.slot)).collect()
 }
 
@@ -89,7 +89,7 @@ struct Run {
 
 /// Runs a frame with a ray offered every `every` cycles and taken away where `drained` says so of a cycle; until it
 /// is done, or nothing has moved for long.
-fn run(setup: &FrameSetup, frame: Frame, every: u64, capacity: usize, drained: impl Fn(u64) -> bool) -> Run {
+fn run(setup: &FrameSetup, frame: TimedFrame, every: u64, capacity: usize, drained: impl Fn(u64) -> bool) -> Run {
     let mut unit = AbcUnit::new([(frame.spec(), NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", capacity, 1).unwrap();
@@ -130,7 +130,7 @@ fn run(setup: &FrameSetup, frame: Frame, every: u64, capacity: usize, drained: i
 }
 
 fn setup() -> FrameSetup {
-    any_frame(&mut Dice(0))
+    any_frame(&mut Dice::new(0))
 }
 
 #[test]
@@ -138,7 +138,7 @@ fn no_shape_of_frame_gets_stuck_with_four_planes() {
     let setup = setup();
     for frame in frames() {
         for ray_cycles in [1, 3] {
-            let frame = Frame { ray_cycles, ..frame };
+            let frame = TimedFrame { ray_cycles, ..frame };
             run(&setup, frame, 1, 2, |_| true);
             run(&setup, frame, 1, 1, |now| now % 7 == 0);
         }
@@ -149,7 +149,7 @@ fn no_shape_of_frame_gets_stuck_with_four_planes() {
 fn without_a_gradient_a_ray_leaves_as_it_comes() {
     let setup = setup();
     for ray_cycles in 1..5 {
-        let frame = Frame { ray_cycles, closes: [true; 2], buffered: false, ..frame_of(4, 3) };
+        let frame = TimedFrame { ray_cycles, closes: [true; 2], buffered: false, ..frame_of(4, 3) };
         let left = run(&setup, frame, 1, 2, |_| true).left;
         for (e, (cycle, _)) in left.into_iter().enumerate() {
             // It is at the input in cycle 1, taken after ray_cycles, given after as many, the two at once.
@@ -164,7 +164,7 @@ fn the_first_ray_leaves_a_plane_and_a_ray_later_and_not_a_cycle_earlier() {
     for slots in 1..7 {
         for planes in 1..6 {
             for (closes, buffered) in [([false; 2], true), ([true; 2], true), ([false; 2], false)] {
-                let frame = Frame { closes, buffered, ..frame_of(slots, planes) };
+                let frame = TimedFrame { closes, buffered, ..frame_of(slots, planes) };
                 let result = run(&setup, frame, 1, 2, |_| true);
                 let [plane, slot] = frame.order().shaded().next().unwrap();
                 // Ray number m (from 0) is at the input in cycle m + 1, and given in the cycle in which it is taken.
@@ -186,7 +186,7 @@ fn rays_leave_at_the_rate_of_the_lanes() {
     let setup = setup();
     for ray_cycles in 1..5 {
         for closes in [[false; 2], [true; 2]] {
-            let frame = Frame { ray_cycles, closes, ..frame_of(6, 5) };
+            let frame = TimedFrame { ray_cycles, closes, ..frame_of(6, 5) };
             let result = run(&setup, frame, 1, 2, |_| true);
             let steady = result.left.windows(2).all(|pair| pair[1].0 - pair[0].0 >= ray_cycles);
             assert!(steady, "{ray_cycles}: {:?}", result.left);
@@ -213,7 +213,7 @@ fn a_frame_that_never_stalls_takes_its_rays_and_its_fill() {
 #[test]
 fn a_unit_without_rays_is_starved_and_one_without_room_blocked() {
     let setup = setup();
-    let frame = Frame { buffered: false, ..frame_of(3, 2) };
+    let frame = TimedFrame { buffered: false, ..frame_of(3, 2) };
     let slow = run(&setup, frame, 10, 2, |_| true);
     // Ray m comes in cycle 10·m + 1: 6 cycles of work in 52.
     assert_eq!(slow.account, Account { busy: 6, starved: 46, ..Account::default() });
@@ -267,7 +267,7 @@ fn with_three_planes_the_input_waits_for_the_end_of_a_plane_and_with_more_it_doe
     let setup = setup();
     let (slots, planes) = (6, 8);
     let cycles = |ring: u64, every: u64| {
-        let frame = Frame { ring, ..frame_of(slots, planes) };
+        let frame = TimedFrame { ring, ..frame_of(slots, planes) };
         run(&setup, frame, every, 2, |_| true).cycles
     };
     // One cycle before the first ray is there, its neighbours a plane and a ray later, and then a ray a cycle.
@@ -278,7 +278,7 @@ fn with_three_planes_the_input_waits_for_the_end_of_a_plane_and_with_more_it_doe
     assert_eq!(cycles(3, 1), free + THREE_PLANES_COST * (planes - 3));
     // Without a gradient nothing waits, with one plane or many.
     for ring in 1..5 {
-        let frame = Frame { closes: [true; 2], buffered: false, ring, ..frame_of(slots, planes) };
+        let frame = TimedFrame { closes: [true; 2], buffered: false, ring, ..frame_of(slots, planes) };
         assert_eq!(run(&setup, frame, 1, 2, |_| true).cycles, 1 + slots * planes);
     }
 }
@@ -291,7 +291,7 @@ fn no_shape_of_frame_gets_stuck_with_three_planes() {
     let setup = setup();
     for frame in frames() {
         for ray_cycles in [1, 3] {
-            let frame = Frame { ray_cycles, ring: 3, ..frame };
+            let frame = TimedFrame { ray_cycles, ring: 3, ..frame };
             run(&setup, frame, 1, 2, |_| true);
             run(&setup, frame, 1, 1, |now| now % 7 == 0);
         }
@@ -301,7 +301,7 @@ fn no_shape_of_frame_gets_stuck_with_three_planes() {
 #[test]
 fn with_two_planes_the_unit_waits_for_itself_and_says_so() {
     let setup = setup();
-    let frame = Frame { ring: 2, ..frame_of(3, 5) };
+    let frame = TimedFrame { ring: 2, ..frame_of(3, 5) };
     let mut unit = AbcUnit::new([(frame.spec(), NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 2, 1).unwrap();
@@ -334,7 +334,7 @@ fn the_ring_takes_planes_of_this_frame_and_the_next_and_of_no_third() {
     for closes in [[false; 2], [true; 2]] {
         for planes in 1..4_u64 {
             for ring in 3..9 {
-                let frame = Frame { closes, ring, ..frame_of(3, planes) };
+                let frame = TimedFrame { closes, ring, ..frame_of(3, planes) };
                 let mut unit = AbcUnit::new([(frame.spec(), NoShading); 4]);
                 let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
                 // Nobody takes the shaded rays, and so the first planes of frame 0 stay.
@@ -368,7 +368,7 @@ fn farther_neighbours_cost_their_planes_once() {
     let setup = setup();
     let (slots, planes) = (6, 12);
     for reach in 1..=5 {
-        let frame = |ring| Frame { reach, ring, ..frame_of(slots, planes) };
+        let frame = |ring| TimedFrame { reach, ring, ..frame_of(slots, planes) };
         let away = reach as u64;
         assert_eq!(frame(4).needed(0, 0), away * slots + away + 1);
         assert_eq!(frame(4).needed(planes - 1, slots - 1), planes * slots);
@@ -382,7 +382,7 @@ fn farther_neighbours_cost_their_planes_once() {
 #[test]
 fn a_ring_too_small_for_farther_neighbours_is_named() {
     let setup = setup();
-    let frame = Frame { reach: 3, ring: 6, ..frame_of(3, 9) };
+    let frame = TimedFrame { reach: 3, ring: 6, ..frame_of(3, 9) };
     let mut unit = AbcUnit::new([(frame.spec(), NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 2, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 2, 1).unwrap();
@@ -405,7 +405,7 @@ fn a_ring_too_small_for_farther_neighbours_is_named() {
 #[test]
 fn the_next_frame_comes_in_as_far_as_its_own_ring_goes() {
     let setups = [setup(), setup()];
-    let spec = |reach, ring| Frame { reach, ring, ..frame_of(1, 12) }.spec();
+    let spec = |reach, ring| TimedFrame { reach, ring, ..frame_of(1, 12) }.spec();
     let mut unit = AbcUnit::new([(spec(4, 10), NoShading), (spec(1, 4), NoShading)]);
     let mut samples = Channel::<SampleRay<()>>::new("samples", 1, 1).unwrap();
     let mut shaded = Channel::<ShadedRay<()>>::new("shaded", 1, 1).unwrap();

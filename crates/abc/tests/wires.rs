@@ -3,7 +3,7 @@
 mod registers;
 
 use cube3_abc::golden::{
-    Light, Local, Neighbourhood, TableAddresses, classify, cued_wires, direction_index_wires, lit_wires,
+    Local, Neighbourhood, ReflectedLight, TableAddresses, classify, cued_wires, direction_index_wires, lit_wires,
     local_gradient_wires, normalise_wires, phong_wires,
 };
 use cube3_frame::{Classification, GradientRegisters, GradientRows, GradientScale, LinearFactor};
@@ -89,7 +89,7 @@ proptest! {
 
     #[test]
     fn components_show_their_way_from_the_difference_to_the_word(seed: u64) {
-        let mut dice = Dice(seed);
+        let mut dice = Dice::new(seed);
         let words = any_words();
         let s = neighbourhood(&mut dice, 16);
         let local = any_local(&mut dice);
@@ -131,7 +131,7 @@ proptest! {
 
     #[test]
     fn pairs_and_lerps_are_on_their_places(seed: u64) {
-        let mut dice = Dice(seed);
+        let mut dice = Dice::new(seed);
         let words = any_words();
         let taken = neighbourhood(&mut dice, 16);
         let local = any_local(&mut dice);
@@ -202,7 +202,7 @@ proptest! {
 
     #[test]
     fn the_light_unit_shows_each_light_on_its_place(seed: u64, normal in prop::array::uniform3(-256_i32..=256)) {
-        let mut dice = Dice(seed);
+        let mut dice = Dice::new(seed);
         let words = Words { normal_bits: 9, colour_bits: 8, ..Words::default() };
         let phong = bright(&mut dice, &words, 4);
         let directions = [[100, -30, 256], [0; 3], [-256, 256, 1], [256, 256, 256]];
@@ -277,7 +277,7 @@ proptest! {
     ) {
         let words = Words { colour_bits: 8, ..Words::default() };
         let mut wires = Wires::default();
-        let lit = lit_wires(colour, Light { diffuse, specular }, &words, &mut wires);
+        let lit = lit_wires(colour, ReflectedLight { diffuse, specular }, &words, &mut wires);
         let products = [0, 1, 2].map(|i| i128::from(colour[i]) * i128::from(diffuse[i]));
         let scaled = products.map(|product| rounded(&words, product, 8));
         let sums = [0, 1, 2].map(|i| scaled[i] + i128::from(specular[i]));

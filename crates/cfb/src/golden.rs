@@ -14,13 +14,9 @@ pub struct Skew {
     pub lanes: usize,
 }
 
-/// Greatest common divisor; `gcd(0, n) = n`.
-pub fn gcd(a: i64, n: usize) -> usize {
-    let (mut a, mut b) = (a.unsigned_abs() as usize, n);
-    while a != 0 {
-        (a, b) = (b % a, a);
-    }
-    b
+/// Greatest common divisor of a stride, whatever its sign, and the modules.
+pub(crate) fn gcd(stride: i64, lanes: usize) -> usize {
+    cube3_channel::gcd(stride.unsigned_abs(), lanes as u64) as usize
 }
 
 impl Skew {
@@ -144,13 +140,13 @@ pub struct Placement {
 
 impl Placement {
     /// Words of a module along a side of a block. Voxels along y and z of a block of mini-blocks.
-    pub const BLOCK: usize = 8;
+    pub const BLOCK_SIDE: usize = 8;
     /// Voxels along a side of a mini-block.
     pub const MINI: usize = 2;
     /// Words of a mini-block.
     pub const MINI_WORDS: usize = Self::MINI.pow(3);
     /// Words that a module holds of a block of mini-blocks.
-    pub const MINI_BLOCK_WORDS: usize = (Self::BLOCK / Self::MINI).pow(2) * Self::MINI_WORDS;
+    pub const MINI_BLOCK_WORDS: usize = (Self::BLOCK_SIDE / Self::MINI).pow(2) * Self::MINI_WORDS;
 
     /// The module of a voxel: that of the skew, with mini-blocks of the mini-block's coordinates.
     pub fn module(&self, xyz: [usize; 3]) -> usize {
@@ -165,7 +161,7 @@ impl Placement {
 
     /// Voxels along x, y, z of a block of mini-blocks: `lanes` mini-blocks along x, four along y and z.
     fn mini_block(&self) -> [usize; 3] {
-        [Self::MINI * self.skew.lanes, Self::BLOCK, Self::BLOCK]
+        [Self::MINI * self.skew.lanes, Self::BLOCK_SIDE, Self::BLOCK_SIDE]
     }
 
     /// Blocks of mini-blocks along x, y, z.
@@ -191,7 +187,7 @@ impl Placement {
     /// What a coordinate adds to the word within its block of mini-blocks: those of a mini-block side by side, of mini-blocks along y,
     /// then z. Along x a block has one mini-block of each module.
     fn word_in_block(&self, axis: usize, coordinate: usize) -> usize {
-        let (side, mini) = (Self::BLOCK / Self::MINI, coordinate / Self::MINI);
+        let (side, mini) = (Self::BLOCK_SIDE / Self::MINI, coordinate / Self::MINI);
         let voxel = coordinate % Self::MINI * Self::MINI.pow(axis as u32);
         voxel + Self::MINI_WORDS * [0, mini % side, mini % side * side][axis]
     }
@@ -219,7 +215,7 @@ impl Placement {
         match self.layout {
             Layout::Rows => index * weight(extent),
             Layout::Blocks => {
-                let block = extent.map(|n| n.min(Self::BLOCK));
+                let block = extent.map(|n| n.min(Self::BLOCK_SIDE));
                 let blocks = [0, 1, 2].map(|a| extent[a].div_ceil(block[a]));
                 let words: usize = block.iter().product();
                 index / block[axis] * weight(blocks) * words + index % block[axis] * weight(block)
@@ -250,7 +246,7 @@ impl Placement {
         let extent = self.extent();
         match self.layout {
             Layout::Rows => extent.iter().product(),
-            Layout::Blocks => extent.iter().map(|n| n.next_multiple_of((*n).clamp(1, Self::BLOCK))).product(),
+            Layout::Blocks => extent.iter().map(|n| n.next_multiple_of((*n).clamp(1, Self::BLOCK_SIDE))).product(),
             Layout::MiniBlocks => self.mini_blocks().iter().product::<usize>() * Self::MINI_BLOCK_WORDS,
         }
     }

@@ -24,6 +24,7 @@ mod rows;
 mod supply;
 #[cfg(test)]
 mod tests;
+mod ticks;
 mod timing;
 
 pub use array::{MemoryState, Modules};
@@ -34,4 +35,4 @@ pub use module::{Module, Served};
 pub use rows::{ReorderNeed, edge_words};
 pub use supply::Supply;
 pub(crate) use supply::SupplyState;
-pub use timing::{Place, Timing};
+pub use timing::{Timing, WordPlace};

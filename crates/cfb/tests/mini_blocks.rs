@@ -2,7 +2,7 @@
 
 use cube3_cfb::golden::{Placement, Skew};
 use cube3_cfb::memory::{
-    MemoryCounters, Module, Place, ReorderCounters, ReorderNeed, Served, Supply, Timing, edge_words,
+    MemoryCounters, Module, ReorderCounters, ReorderNeed, Served, Supply, Timing, WordPlace, edge_words,
 };
 use cube3_cfb::{Beam, CfbSpec, CfbUnit, NoVoxels, scan};
 use cube3_channel::{Account, Activity, Channel, ClockDomain, Reason};
@@ -246,12 +246,12 @@ fn naive(machine: &MachineSpec, setups: &[Arc<FrameSetup>], words: u64) -> Seen 
                 let mut burst_words = Vec::new();
                 for i in burst * chunk..(burst + 1) * chunk {
                     let place = match timing.rows {
-                        Some(rows) => Place {
+                        Some(rows) => WordPlace {
                             word: placement.address(voxel) as u64 + i,
                             bank,
                             row: (word as u64 + i) / rows.words as u64,
                         },
-                        None => Place { word: placement.address(voxel) as u64 + i, bank: 0, row: 0 },
+                        None => WordPlace { word: placement.address(voxel) as u64 + i, bank: 0, row: 0 },
                     };
                     burst_words.push(module.read(timing, place, now, counters));
                 }

@@ -4,15 +4,14 @@
 //! the cycles of the full 10⁷ are checked once before.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use cube3_channel::{Channel, Pipe, Unit};
+use cube3_channel::{Channel, Pipe};
 use std::hint::black_box;
 
 const STAGES: usize = 5;
 
 fn run(tokens: u32) -> (u32, u64) {
     let mut channels: Vec<Channel<u32>> = (0..=STAGES).map(|_| Channel::new("pipe", 8, 1).unwrap()).collect();
-    let mut stages: Vec<_> =
-        (0..STAGES).map(|_| Pipe::new("stage", |v: u32| v.wrapping_mul(3).wrapping_add(1))).collect();
+    let mut stages: Vec<_> = (0..STAGES).map(|_| Pipe::new(|v: u32| v.wrapping_mul(3).wrapping_add(1))).collect();
     let (mut sent, mut received, mut sum, mut cycles) = (0, 0, 0, 0);
     while received < tokens {
         if sent < tokens && channels[0].push(sent).is_ok() {
@@ -29,7 +28,7 @@ fn run(tokens: u32) -> (u32, u64) {
         channels.iter_mut().for_each(Channel::commit);
         cycles += 1;
     }
-    let busy: u64 = stages.iter().map(|stage| Unit::<u32, u32>::account(stage).busy).sum();
+    let busy: u64 = stages.iter().map(|stage| stage.account().busy).sum();
     assert_eq!(busy, u64::from(tokens) * STAGES as u64);
     (sum, cycles)
 }

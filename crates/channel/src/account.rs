@@ -1,6 +1,7 @@
 //! What a unit did with each of its cycles.
 
 use serde::{Deserialize, Serialize};
+use strum::{IntoStaticStr, VariantArray};
 
 /// What a unit did in one cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,7 +37,7 @@ impl Activity {
             0 => Some(Activity::Busy),
             1 => Some(Activity::Starved),
             2 => Some(Activity::Blocked),
-            _ => Reason::ALL.get(usize::from(code) - 3).map(|(reason, _)| Activity::Waiting(*reason)),
+            _ => Reason::ALL.get(usize::from(code) - 3).copied().map(Activity::Waiting),
         }
     }
 
@@ -46,7 +47,7 @@ impl Activity {
             Activity::Busy => "busy",
             Activity::Starved => "starved",
             Activity::Blocked => "blocked",
-            Activity::Waiting(reason) => Reason::ALL[reason as usize].1,
+            Activity::Waiting(reason) => reason.name(),
         }
     }
 
@@ -58,8 +59,9 @@ impl Activity {
 }
 
 /// A resource that a unit waits for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum Reason {
     /// Several voxels of a beam are in one memory module, which gives one of them a cycle.
     BankConflict,
@@ -78,16 +80,13 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// Every reason with its name in reports.
-    pub const ALL: [(Reason, &'static str); 7] = [
-        (Reason::BankConflict, "bank_conflict"),
-        (Reason::MemoryRow, "memory_row"),
-        (Reason::Refresh, "refresh"),
-        (Reason::BusSlice, "bus_slice"),
-        (Reason::Port, "port"),
-        (Reason::Link, "link"),
-        (Reason::Host, "host"),
-    ];
+    /// Every reason.
+    pub const ALL: &'static [Reason] = Reason::VARIANTS;
+
+    /// Its name in reports.
+    pub fn name(self) -> &'static str {
+        self.into()
+    }
 }
 
 /// The cycles of a unit, each in exactly one place.
@@ -135,11 +134,11 @@ impl Account {
         if self.blocked != before.blocked {
             return Activity::Blocked;
         }
-        let waited = Reason::ALL.iter().find(|(reason, _)| {
-            let i = *reason as usize;
+        let waited = Reason::ALL.iter().copied().find(|&reason| {
+            let i = reason as usize;
             self.starved == before.starved && self.waiting[i] != before.waiting[i]
         });
-        waited.map_or(Activity::Starved, |(reason, _)| Activity::Waiting(*reason))
+        waited.map_or(Activity::Starved, Activity::Waiting)
     }
 
     /// All cycles counted.
@@ -168,9 +167,9 @@ mod tests {
             account.record(*activity);
             assert_eq!(account.since(&before), *activity);
         }
-        for (place, (reason, name)) in Reason::ALL.into_iter().enumerate() {
+        for (place, &reason) in Reason::ALL.iter().enumerate() {
             assert_eq!(reason as usize, place);
-            assert_eq!(Activity::Waiting(reason).name(), name);
+            assert_eq!(serde_json::to_string(&reason).unwrap(), format!("\"{}\"", reason.name()));
         }
         assert_eq!(Activity::from_code(Activity::COUNT as u8), None);
     }

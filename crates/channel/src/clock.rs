@@ -20,6 +20,14 @@ pub struct ClockDomain {
     phase: u64,
 }
 
+/// Greatest common divisor; `gcd(0, n) = n`.
+pub fn gcd(mut a: u64, mut b: u64) -> u64 {
+    while a != 0 {
+        (a, b) = (b % a, a);
+    }
+    b
+}
+
 impl ClockDomain {
     /// Parts of a hertz that [`ClockDomain::from_hertz`] tells apart.
     const PARTS_OF_HERTZ: f64 = 1e3;
@@ -29,11 +37,8 @@ impl ClockDomain {
     /// A clock of `ticks` in `cycles` pipeline cycles. Either is at least 1 and below 2⁶³; what is not is brought there.
     pub fn from_ratio(ticks: u64, cycles: u64) -> ClockDomain {
         let (ticks, cycles) = (ticks.clamp(1, i64::MAX as u64), cycles.clamp(1, i64::MAX as u64));
-        let (mut a, mut b) = (ticks, cycles);
-        while b != 0 {
-            (a, b) = (b, a % b);
-        }
-        ClockDomain { ticks: ticks / a, cycles: cycles / a, phase: 0 }
+        let common = gcd(ticks, cycles);
+        ClockDomain { ticks: ticks / common, cycles: cycles / common, phase: 0 }
     }
 
     /// A clock of `hertz` beside a pipeline of `pipeline_hertz`, both to the nearest millihertz and up to 10¹⁵ hertz.

@@ -14,14 +14,14 @@ mod account;
 mod archive;
 mod channel;
 mod clock;
+mod pipe;
 mod stall;
 mod transfer;
-mod unit;
 
 pub use account::{Account, Activity, Reason};
 pub use archive::{Archive, ArchiveError, Archived, Payload};
 pub use channel::{Channel, ChannelCounters, ChannelError};
-pub use clock::ClockDomain;
+pub use clock::{ClockDomain, gcd};
+pub use pipe::Pipe;
 pub use stall::{Deadlock, PortState, Wait, diagnose};
-pub use transfer::Transfer;
-pub use unit::{Pipe, Unit};
+pub use transfer::TokenTransfer;

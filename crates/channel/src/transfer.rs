@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 /// is there in the cycle after; so tokens that follow each other take the sum of their amounts over the rate, rounded up once.
 ///
 /// ```
-/// use cube3_channel::{ClockDomain, Transfer};
-/// let mut link = Transfer::new(ClockDomain::from_rate(1.5));
+/// use cube3_channel::{ClockDomain, TokenTransfer};
+/// let mut link = TokenTransfer::new(ClockDomain::from_rate(1.5));
 /// let cycles = (0..4).map(|_| {
 ///     let mut cycles = 1;
 ///     while !link.completes(3) {
@@ -23,17 +23,17 @@ use serde::{Deserialize, Serialize};
 /// assert_eq!(cycles.collect::<Vec<_>>(), [2, 2, 2, 2]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Transfer {
+pub struct TokenTransfer {
     rate: ClockDomain,
     clock: ClockDomain,
     carried: u64,
     spare: u64,
 }
 
-impl Transfer {
+impl TokenTransfer {
     /// Nothing on its way. `rate` is at its start.
-    pub fn new(rate: ClockDomain) -> Transfer {
-        Transfer { rate, clock: rate, carried: 0, spare: 0 }
+    pub fn new(rate: ClockDomain) -> TokenTransfer {
+        TokenTransfer { rate, clock: rate, carried: 0, spare: 0 }
     }
 
     /// Whether the token in hand, of so many units, is over by the end of this cycle.
@@ -60,7 +60,7 @@ impl Transfer {
     /// Ends a cycle without a token.
     #[inline]
     pub fn rest(&mut self) {
-        *self = Transfer::new(self.rate);
+        *self = TokenTransfer::new(self.rate);
     }
 }
 
@@ -70,7 +70,7 @@ mod tests {
     use proptest::prelude::*;
 
     /// Cycles that tokens take which follow each other.
-    fn cycles(transfer: &mut Transfer, amounts: &[u64]) -> Vec<u64> {
+    fn cycles(transfer: &mut TokenTransfer, amounts: &[u64]) -> Vec<u64> {
         let mut token = |&amount: &u64| {
             let mut cycles = 1;
             while !transfer.completes(amount) {
@@ -91,20 +91,20 @@ mod tests {
             let rate = ClockDomain::from_ratio(ticks, every);
             // Not less than a cycle carries: else a token leaves room that no later one can fill.
             let amounts: Vec<u64> = extra.iter().map(|extra| ticks.div_ceil(every) + extra).collect();
-            let mut transfer = Transfer::new(rate);
+            let mut transfer = TokenTransfer::new(rate);
             let taken: u64 = cycles(&mut transfer, &amounts).iter().sum();
             prop_assert_eq!(taken, (amounts.iter().sum::<u64>() * every).div_ceil(ticks));
             transfer.rest();
-            prop_assert_eq!(transfer, Transfer::new(rate));
+            prop_assert_eq!(transfer, TokenTransfer::new(rate));
         }
     }
 
     #[test]
     fn what_no_token_needs_is_lost_but_for_the_last_cycle() {
-        let mut transfer = Transfer::new(ClockDomain::from_ratio(4, 1));
+        let mut transfer = TokenTransfer::new(ClockDomain::from_ratio(4, 1));
         // Three, then four of each four are to spare; the first eight begin in the cycle before.
         assert_eq!(cycles(&mut transfer, &[1, 1, 1, 8, 8]), [1, 1, 1, 1, 2]);
-        let mut transfer = Transfer::new(ClockDomain::from_ratio(4, 1));
+        let mut transfer = TokenTransfer::new(ClockDomain::from_ratio(4, 1));
         assert_eq!(cycles(&mut transfer, &[1, 7, 5]), [1, 1, 2]);
     }
 }

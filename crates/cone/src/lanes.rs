@@ -6,7 +6,7 @@ use cube3_abc::lanes::ShadedRow;
 use cube3_frame::ConeRegisters;
 use cube3_machine::ConeOrder;
 use cube3_scene::Mode;
-use cube3_word::{BLOCK, Block, UnitMul, UnitResize, Words, unit_full, vectorised};
+use cube3_word::{BLOCK_LANES, LaneBlock, UnitMul, UnitResize, Words, unit_full, vectorised};
 use std::ops::Range;
 
 /// A tree over the leaves of one ray among those of a circle, in the order of the circle from its start: `leaves[0]` is the leaf
@@ -136,7 +136,7 @@ pub(crate) struct SlotLanes {
 /// Red, green, blue, opacity of a block of leaves, each a line of the cache.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
-struct Leaves([Block<u32>; 4]);
+struct Leaves([LaneBlock<u32>; 4]);
 
 /// What the nodes of a slot compute with.
 #[derive(Clone, Copy, Debug)]
@@ -190,7 +190,7 @@ impl SlotLanes {
 
     fn trees(&mut self, range: Range<usize>) -> Node {
         let (leaves, mode) = (self.cone.leaves, self.cone.mode);
-        if range.end <= leaves.min(BLOCK) {
+        if range.end <= leaves.min(BLOCK_LANES) {
             return self.block(0, range);
         }
         let mut sum = Node::default();
@@ -198,8 +198,8 @@ impl SlotLanes {
         while start < range.end {
             let end = start + leaves;
             self.nodes.clear();
-            for first in (start..end.min(range.end)).step_by(BLOCK) {
-                let part = range.start.max(first)..range.end.min(first + BLOCK).min(end);
+            for first in (start..end.min(range.end)).step_by(BLOCK_LANES) {
+                let part = range.start.max(first)..range.end.min(first + BLOCK_LANES).min(end);
                 self.nodes.push(self.block(first, part));
             }
             let node = match self.nodes.as_mut_slice() {
@@ -215,10 +215,11 @@ impl SlotLanes {
     /// Whether any leaf of a range, which is not empty, is not transparent.
     #[inline]
     fn sees(&self, range: Range<usize>) -> bool {
-        let (first, last) = (range.start / BLOCK, (range.end - 1) / BLOCK);
+        let (first, last) = (range.start / BLOCK_LANES, (range.end - 1) / BLOCK_LANES);
         (first..=last).any(|block| {
-            let behind = if block == first { u16::MAX << (range.start % BLOCK) } else { u16::MAX };
-            let before = if block == last { u16::MAX >> (BLOCK - 1 - (range.end - 1) % BLOCK) } else { u16::MAX };
+            let behind = if block == first { u16::MAX << (range.start % BLOCK_LANES) } else { u16::MAX };
+            let before =
+                if block == last { u16::MAX >> (BLOCK_LANES - 1 - (range.end - 1) % BLOCK_LANES) } else { u16::MAX };
             self.seen[block] & behind & before != 0
         })
     }
@@ -231,16 +232,16 @@ impl SlotLanes {
             return Node::default();
         }
         let moved;
-        let leaves = if first.is_multiple_of(BLOCK) {
+        let leaves = if first.is_multiple_of(BLOCK_LANES) {
             if !self.sees(part.clone()) {
                 return Node::default();
             }
-            &self.leaves[first / BLOCK].0
+            &self.leaves[first / BLOCK_LANES].0
         } else {
             // Chunks that begin within a block: of lanes that are no multiple of one.
-            let leaf = |depth: usize, i: usize| match self.seen.get(depth / BLOCK) {
+            let leaf = |depth: usize, i: usize| match self.seen.get(depth / BLOCK_LANES) {
                 None | Some(0) => 0,
-                Some(_) => self.leaves[depth / BLOCK].0[i][depth % BLOCK],
+                Some(_) => self.leaves[depth / BLOCK_LANES].0[i][depth % BLOCK_LANES],
             };
             moved = [0, 1, 2, 3].map(|i| std::array::from_fn(|lane| leaf(first + lane, i)));
             &moved
@@ -250,9 +251,9 @@ impl SlotLanes {
         vectorised(
             #[inline(always)]
             || {
-                let mut ray = [[0; BLOCK]; 4];
+                let mut ray = [[0; BLOCK_LANES]; 4];
                 let [red, green, blue, alpha] = &mut ray;
-                for i in 0..BLOCK {
+                for i in 0..BLOCK_LANES {
                     let of_ray = from <= i as u32 && (i as u32) < to;
                     red[i] = if of_ray { leaves[0][i] } else { 0 };
                     green[i] = if of_ray { leaves[1][i] } else { 0 };
@@ -280,22 +281,22 @@ impl SlotLanes {
 /// Opacities in the accumulators' width and colours weighted by them, and a bit for each lane that is not transparent.
 #[inline(always)]
 fn weighted(
-    alpha: &Block<u32>,
-    colours: &[Block<u32>; 3],
+    alpha: &LaneBlock<u32>,
+    colours: &[LaneBlock<u32>; 3],
     opacity: UnitResize,
     colour: UnitResize,
     product: UnitMul,
-    [red, green, blue, through]: &mut [Block<u32>; 4],
+    [red, green, blue, through]: &mut [LaneBlock<u32>; 4],
 ) -> u16 {
-    for i in 0..BLOCK {
+    for i in 0..BLOCK_LANES {
         let a = opacity.apply_narrow(alpha[i]);
         red[i] = colour.apply_narrow(colours[0][i]).unit_mul(a, product);
         green[i] = colour.apply_narrow(colours[1][i]).unit_mul(a, product);
         blue[i] = colour.apply_narrow(colours[2][i]).unit_mul(a, product);
         through[i] = a;
     }
-    let mut seen = [0; BLOCK];
-    for i in 0..BLOCK {
+    let mut seen = [0; BLOCK_LANES];
+    for i in 0..BLOCK_LANES {
         seen[i] = if alpha[i] == 0 { 0 } else { 1_u32 << i };
     }
     seen.iter().fold(0, |word, bit| word | bit) as u16

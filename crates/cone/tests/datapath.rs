@@ -11,6 +11,8 @@ use cube3_machine::{Cone, ConeKind, MachineSpec, RaySlots, Rays, TemplateRule};
 use cube3_scene::{Mode, Scene, View};
 use cube3_word::{Rounding, Words, unit_full};
 use proptest::prelude::*;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
 use std::collections::BTreeMap;
 
 /// A sample of a place, from a seed: absent, transparent, full or anything.
@@ -19,18 +21,19 @@ fn sample(seed: u64, setup: &FrameSetup, ray: DiscreteRay, k: usize) -> Shaded {
         return Shaded::default();
     }
     let place = (ray.u as u64) << 40 ^ (ray.v as u64 & 0xffff) << 20 ^ k as u64;
-    let mixed = (seed ^ place.wrapping_mul(0x9e37_79b9_7f4a_7c15)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+    generator.set_stream(place);
+    let random = generator.next_u64();
     let words = &setup.words;
-    let opacity = match mixed >> 61 {
+    let opacity = match random >> 61 {
         0 => return Shaded { sample: 3, ..Shaded::default() },
         1 => 0,
         2 => unit_full(words.opacity_bits),
-        _ => (mixed >> 40) as u32 & unit_full(words.opacity_bits),
+        _ => (random >> 40) as u32 & unit_full(words.opacity_bits),
     };
-    let colour = |i: u32| (mixed >> (8 * i)) as u32 & unit_full(words.colour_bits);
+    let colour = |i: u32| (random >> (8 * i)) as u32 & unit_full(words.colour_bits);
     let colour = if opacity == 0 { [0; 3] } else { [colour(0), colour(1), colour(2)] };
-    Shaded { present: true, sample: (mixed >> 33) as i32 & 7, opacity, colour }
+    Shaded { present: true, sample: (random >> 33) as i32 & 7, opacity, colour }
 }
 
 /// The pixels of all rays that come through a frame, and saturated words.

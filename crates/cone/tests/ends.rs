@@ -8,6 +8,8 @@ use cube3_machine::ConeOrder;
 use cube3_scene::Mode;
 use cube3_word::{Rounding, Words, quantise_unit, unit_full};
 use proptest::prelude::*;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
 
 const ROUNDINGS: [Rounding; 2] = [Rounding::Nearest, Rounding::Truncate];
 
@@ -203,13 +205,8 @@ fn real(samples: &[(f64, f64)]) -> f64 {
 
 /// Numbers 0 to 1 that look random.
 fn random(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
+    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+    move || (generator.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }
 
 /// Mean error of red in 1/255 over rays of 512 samples, opacity uniform from 0 to `thickest` and colour from 0 to 1, against

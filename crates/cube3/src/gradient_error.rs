@@ -2,7 +2,7 @@
 
 use cube3_abc::golden::{classify_in, in_place, normalise};
 use cube3_definition::Definition;
-use cube3_frame::{DiscreteRay, FrameSetup, Perspective, SLOPE_FRACTION_BITS};
+use cube3_frame::{DiscreteRay, FrameSetup, PerspectivePass, SLOPE_FRACTION_BITS};
 use cube3_host::{Basis, whole_step_opacity};
 use cube3_volume::VoxelWords;
 use glam::DVec3;
@@ -41,7 +41,7 @@ fn gradient_pairs(setup: &FrameSetup, volume: &VoxelWords) -> Vec<([f64; 3], [f6
         for column in (0..width).step_by(stride) {
             // Rays beyond slopes of 1 serve the warp of their neighbours; pictures show those of another pass.
             let steep = |slopes: &[i64], i: usize| slopes[i].abs() > 1 << SLOPE_FRACTION_BITS;
-            let other = |pass: &Perspective| steep(&pass.u.slopes, column) || steep(&pass.v.slopes, row);
+            let other = |pass: &PerspectivePass| steep(&pass.u.slopes, column) || steep(&pass.v.slopes, row);
             if geometry.perspective.as_ref().is_some_and(other) {
                 continue;
             }

@@ -9,7 +9,7 @@ use cube3_inputs::InputError;
 use cube3_machine::{MachineSpec, RayEnds};
 use cube3_scene::{Scene, VolumeSource};
 use cube3_trace::{CycleWindow, TraceFormat};
-use cube3_vectors::{ExpressionError, Format, Unit};
+use cube3_vectors::{ExpressionError, Unit, UnitFormat};
 use cube3_volume::{
     FileInfo, Memory, MemoryBound, Phantom, PhantomParams, ReadOptions, Resampling, SampleType, VolumeError, inspect,
     memory_bounds, resample_bytes,
@@ -354,7 +354,7 @@ const BLOCK_BYTES: u64 = 40 << 20;
 ///
 /// # Errors
 /// An expression of the sheet without a value.
-pub fn set(unit: &dyn Unit, format: &Format, lanes: bool) -> Result<Need, ExpressionError> {
+pub fn set(unit: &dyn Unit, format: &UnitFormat, lanes: bool) -> Result<Need, ExpressionError> {
     let sheet = unit.sheet();
     let mut entries = 0_u64;
     for table in &sheet.tables {

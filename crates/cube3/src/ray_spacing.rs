@@ -8,7 +8,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A note for each axis of a volume whose voxels are long along it.
 pub(crate) fn notes(dims: [usize; 3], spacing: [f64; 3]) -> Vec<String> {
-    let shortest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
+    let shortest = cube3_scene::smallest_spacing(spacing);
     let long = |&axis: &usize| dims[axis] > 1 && spacing[axis] >= LONG * shortest;
     let note = |axis: usize| {
         let (name, ratio) = (AXES[axis], (spacing[axis] / shortest * 100.0).round() / 100.0);

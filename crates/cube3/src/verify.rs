@@ -2,7 +2,7 @@
 
 use cube3_vectors::compare::Compared;
 use cube3_vectors::{
-    AnswerReader, Comparison, Definition, ExpressionError, FileError, Mismatch, ResponsesError, Set, Tables, Unit,
+    AnswerReader, Comparison, ExpressionError, FileError, Mismatch, ResponsesError, Set, Tables, Unit, UnitDefinition,
     VectorReader, units,
 };
 use std::fs::File;
@@ -121,13 +121,13 @@ pub fn set_of(path: &Path) -> Result<(Box<dyn Unit>, Set), VerifyError> {
 ///
 /// ```
 /// use cube3::verify::{unit, verify};
-/// use cube3_vectors::{Format, Lines, Set, SetFiles, WriteError};
+/// use cube3_vectors::{UnitFormat, Lines, Set, SetFiles, WriteError};
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// # let folder = tempfile::tempdir()?;
 /// // Ten lines for the unit `lerp`, as `cube3 vectors` writes them.
 /// let unit = unit("lerp")?;
-/// let set = Set::new(unit.as_ref(), Format::default(), 1)?;
+/// let set = Set::new(unit.as_ref(), UnitFormat::default(), 1)?;
 /// let lines = Lines::new(unit.as_ref(), &set)?.take(10).collect::<Vec<_>>();
 /// let files = SetFiles::write::<WriteError>(folder.path(), unit.as_ref(), &set, None, |take| lines.into_iter().try_for_each(take))?;
 /// let vectors = files.keep()?;
@@ -162,7 +162,7 @@ pub fn verify_set(
     let in_vectors = |error: FileError| VerifyError::Vectors { path: vectors.into(), error };
     let file = File::open(answers).map_err(|error| VerifyError::NoAnswers { path: answers.into(), error })?;
     let mut responses = AnswerReader::new(set, BufReader::new(file));
-    let (mut reader, mut definition) = (open_vectors(vectors)?, Definition::new(unit, set));
+    let (mut reader, mut definition) = (open_vectors(vectors)?, UnitDefinition::new(unit, set));
     let mut comparison = Comparison::new(set, AROUND);
     let (mut expected, mut found) = (0, 0);
     loop {

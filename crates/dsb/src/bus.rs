@@ -9,7 +9,7 @@
 use crate::{BoardSpec, LinkWords, Links, Rotator};
 use cube3_cfb::{Beam, VoxelBeam};
 use cube3_channel::{
-    Account, Activity, Archive, ArchiveError, Archived, Channel, ClockDomain, Payload, Reason, Transfer,
+    Account, Activity, Archive, ArchiveError, Archived, Channel, ClockDomain, Payload, Reason, TokenTransfer,
 };
 use cube3_frame::{FrameSetup, Schedule};
 use cube3_machine::MachineSpec;
@@ -165,7 +165,7 @@ struct State {
     /// Cycles spent on the beam in hand.
     spent: u64,
     /// Its slices, where they can be too few.
-    slices: Option<Transfer>,
+    slices: Option<TokenTransfer>,
     words: u64,
     link_words: u64,
     link_peak: u64,
@@ -193,7 +193,7 @@ impl<B: Align> BusUnit<B> {
             wires,
             state: State {
                 spent: 0,
-                slices: scarce.then(|| Transfer::new(clock)),
+                slices: scarce.then(|| TokenTransfer::new(clock)),
                 words: 0,
                 link_words: 0,
                 link_peak: 0,

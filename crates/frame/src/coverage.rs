@@ -1,10 +1,10 @@
 //! How well the rays of an eye cover the voxels.
 
-use crate::{Fan, Geometry, Perspective};
+use crate::{Fan, Geometry, PerspectivePass};
 
 /// How well the rays of a pass cover the voxels between its outermost ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coverage {
+pub struct RayCoverage {
     /// Distance between rays at the plane behind the last, in voxels.
     pub back_spacing: f64,
     /// Voxels that are in no cell column of any ray, as a fraction of those between the outermost rays.
@@ -15,7 +15,7 @@ pub struct Coverage {
 
 impl Geometry {
     /// The undersampling of a perspective pass, exactly as its rays have it.
-    pub fn coverage(&self) -> Option<Coverage> {
+    pub fn coverage(&self) -> Option<RayCoverage> {
         let pass = self.perspective.as_ref()?;
         let depths = pass.first_depth..self.size[2];
         let (mut met, mut all) = (0_u64, 0_u64);
@@ -28,7 +28,7 @@ impl Geometry {
             let of_depth = |k: usize| fan.valid(k).map(move |i| (fan.right(i, k) - fan.near(i, k)) as u32);
             depths.clone().flat_map(of_depth).max().unwrap_or(0)
         };
-        Some(Coverage {
+        Some(RayCoverage {
             back_spacing: pass.back_spacing(self.size[2]),
             unused: if all > 0 { 1.0 - met as f64 / all as f64 } else { 0.0 },
             widest_cell: widest(&pass.u).max(widest(&pass.v)),
@@ -36,7 +36,7 @@ impl Geometry {
     }
 }
 
-impl Perspective {
+impl PerspectivePass {
     /// Distance between rays at plane `depths`, behind the last.
     pub fn back_spacing(&self, depths: usize) -> f64 {
         self.spacing_at(depths as i64, 0, 0)

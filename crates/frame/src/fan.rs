@@ -51,7 +51,7 @@ pub struct FanShape {
 /// Registers of a fan's rays before columns are made from them: place and slope, and whether the last one has a
 /// neighbour that was left out.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Rays {
+pub(crate) struct FanRays {
     /// Number of the first ray.
     pub first: i64,
     /// Positions at the first depth; one ray more than the fan will have.
@@ -64,7 +64,7 @@ pub(crate) struct Rays {
 
 impl Fan {
     /// The fan of `rays` in a volume of `columns` voxels along its axis; `None` where no ray meets a voxel.
-    pub(crate) fn new(rays: Rays, shape: &FanShape, columns: usize) -> Option<Fan> {
+    pub(crate) fn new(rays: FanRays, shape: &FanShape, columns: usize) -> Option<Fan> {
         let inside = |i: usize| {
             (shape.first_depth..shape.depths)
                 .any(|k| (0..columns as i32).contains(&shape.column(rays.starts[i], rays.slopes[i], k)))

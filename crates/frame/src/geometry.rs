@@ -1,6 +1,6 @@
 //! The geometry of a frame: discrete rays, ray slots, and which samples lie in the volume.
 
-use crate::perspective::{PLACE_BITS, Perspective};
+use crate::perspective::{PLACE_BITS, PerspectivePass};
 use crate::{Axes, Linear, SLOPE_FRACTION_BITS, Template};
 use cube3_machine::{RaySlots, TemplateRule};
 use cube3_word::Probe;
@@ -34,7 +34,7 @@ pub struct Geometry {
     /// Rows and weights along v of a parallel frame.
     pub v: Template,
     /// The rays of a perspective pass.
-    pub perspective: Option<Perspective>,
+    pub perspective: Option<PerspectivePass>,
 }
 
 /// A discrete ray, by its base-plane pixel.

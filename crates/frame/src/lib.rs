@@ -22,13 +22,13 @@ mod template;
 pub use axes::Axes;
 pub use base_plane::BasePlane;
 pub use check::{SetupError, SetupFileError};
-pub use coverage::Coverage;
+pub use coverage::RayCoverage;
 pub use ends::EndRegisters;
 pub use fan::{Fan, FanShape};
 pub use geometry::{DiscreteRay, Geometry};
 pub use golden::largest_offset;
 pub use overflows::Overflows;
-pub use perspective::{PLACE_BITS, PassShape, Perspective};
+pub use perspective::{PLACE_BITS, PassShape, PerspectivePass};
 pub use registers::{
     Classification, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, HalfSpace, Linear,
     LinearFactor, Normaliser, Phong, PhongLight, RayRegisters, ReflectanceTable, Shading,

@@ -1,6 +1,6 @@
 //! One pass of a perspective view: the rays of an eye whose major axis is one signed voxel axis.
 
-use crate::fan::{Fan, FanShape, Rays};
+use crate::fan::{Fan, FanRays, FanShape};
 use crate::{Axes, Geometry, SLOPE_FRACTION_BITS, Template};
 use cube3_machine::{RaySlots, TemplateRule};
 use serde::{Deserialize, Serialize};
@@ -23,7 +23,7 @@ pub(crate) const OVERLAP: f64 = 0.125;
 /// volume's depth where the eye is nearer: then rays are less than a voxel apart in front, and never more than 3 behind.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Perspective {
+pub struct PerspectivePass {
     /// Rays along u.
     pub u: Fan,
     /// Rays along v.
@@ -43,7 +43,7 @@ pub struct Perspective {
     pub overlap: u32,
 }
 
-impl Perspective {
+impl PerspectivePass {
     /// The distance m between rays at a plane, which may be before the first or behind the last, plus an offset
     /// (a fraction of `weight_bits`).
     pub fn spacing_at(&self, k: i64, offset: u32, weight_bits: u32) -> f64 {
@@ -58,7 +58,7 @@ impl Perspective {
         1.0 + f64::from(self.overlap) * self.spacing[1] as f64 / f64::from(1_u32 << SLOPE_FRACTION_BITS)
     }
 
-    /// From a sample to the neighbours along u and v that its gradient reads, in voxels: what is [`Perspective::reach_at`] rays.
+    /// From a sample to the neighbours along u and v that its gradient reads, in voxels: what is [`PerspectivePass::reach_at`] rays.
     pub fn neighbour_spacing(&self, k: i64, offset: u32, weight_bits: u32) -> f64 {
         self.spacing_at(k, offset, weight_bits) * f64::from(self.reach_at(k, offset, weight_bits))
     }
@@ -91,7 +91,7 @@ pub struct PassShape {
     pub rule: TemplateRule,
     /// Least distance of the grid plane from the eye, in depths n_w.
     pub grid: f64,
-    /// Most rays to a gradient's neighbours along u and v: see [`Perspective::reach_at`].
+    /// Most rays to a gradient's neighbours along u and v: see [`PerspectivePass::reach_at`].
     pub reach: u32,
     /// Whether another near frame may join this one, if it is near: rays then go on beyond a slope of 1.
     pub joins: bool,
@@ -122,7 +122,7 @@ fn rays(
     [first_depth, depths]: [usize; 2],
     columns: usize,
     margin: f64,
-) -> Rays {
+) -> FanRays {
     // The ray that is at x on plane k crosses the grid at x + (x − e)·(1/m − 1).
     let crossing = |x: f64, k: f64| {
         let behind = k - eye_w;
@@ -149,7 +149,7 @@ fn rays(
     let start = |g: f64| if from_base { g } else { eye + (g - eye) * first_spacing };
     // One more than the fan has: the last one's neighbour.
     let places = (0..=count).map(|i| first + i as f64);
-    Rays {
+    FanRays {
         first: first as i64,
         starts: places.clone().map(|g| register(start(g))).collect(),
         slopes: places.map(|g| register((g - eye) / distance)).collect(),
@@ -191,7 +191,7 @@ impl Geometry {
             slots: RaySlots::Padded,
             u: empty(),
             v: empty(),
-            perspective: Some(Perspective {
+            perspective: Some(PerspectivePass {
                 u: Fan::new(along_u, &fans, nu)?,
                 v: Fan::new(along_v, &fans, nv)?,
                 first_depth,

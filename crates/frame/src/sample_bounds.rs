@@ -2,7 +2,7 @@
 
 use crate::{DiscreteRay, Geometry};
 use cube3_machine::RaySlots;
-use cube3_word::{BLOCK, Block, block, vectorised};
+use cube3_word::{BLOCK_LANES, LaneBlock, block, vectorised};
 use std::ops::Range;
 
 /// For each depth the rays that have a sample in the volume, along u and along v: [`Geometry::has_sample`] of a parallel frame as two
@@ -32,7 +32,7 @@ impl SampleBounds {
                 let last = geometry.size[axis] as i32 - reach - template.columns[far] as i32;
                 end[axis].push(if there { last } else { 0 });
             }
-            let room = depths.div_ceil(BLOCK) * BLOCK + BLOCK;
+            let room = depths.div_ceil(BLOCK_LANES) * BLOCK_LANES + BLOCK_LANES;
             first[axis].resize(room, 0);
             end[axis].resize(room, 0);
         }
@@ -45,11 +45,11 @@ pub const BESIDE: usize = 9;
 
 impl SampleBounds {
     /// Of the rays of a slot along an axis, one for each depth, those that are some rays and slices away and have a sample in the volume along
-    /// this axis: for each [`BLOCK`] depths, and for each place `3 (slices + 1) + by + 1`, a bit for each depth, the first the lowest.
+    /// this axis: for each [`BLOCK_LANES`] depths, and for each place `3 (slices + 1) + by + 1`, a bit for each depth, the first the lowest.
     pub fn bits(&self, axis: usize, rays: &[i32], out: &mut [[u16; BESIDE]]) {
         let (first, end) = (&self.first[axis], &self.end[axis]);
         for (word, out) in out.iter_mut().enumerate() {
-            let from = word * BLOCK;
+            let from = word * BLOCK_LANES;
             vectorised(
                 #[inline(always)]
                 || {
@@ -65,9 +65,9 @@ impl SampleBounds {
 
 /// The bits of a block for the rays by −1, 0 and 1, from the bounds of each of −1, 0 and 1 slices.
 #[inline(always)]
-fn inside(rays: &Block<i32>, first: &[Block<i32>; 3], end: &[Block<i32>; 3], out: &mut [u16; BESIDE]) {
-    let mut bits = [[0; BLOCK]; BESIDE];
-    for i in 0..BLOCK {
+fn inside(rays: &LaneBlock<i32>, first: &[LaneBlock<i32>; 3], end: &[LaneBlock<i32>; 3], out: &mut [u16; BESIDE]) {
+    let mut bits = [[0; BLOCK_LANES]; BESIDE];
+    for i in 0..BLOCK_LANES {
         for (place, bits) in bits.iter_mut().enumerate() {
             let (by, slices) = (place as i32 % 3 - 1, place / 3);
             let there = (rays[i] + by >= first[slices][i]) & (rays[i] + by < end[slices][i]);
@@ -206,13 +206,13 @@ mod tests {
                 let (mut us, mut vs) = (Vec::new(), Vec::new());
                 geometry.rays_along(0, slot, &mut us);
                 geometry.rays_along(1, plane, &mut vs);
-                let words = size[2].div_ceil(BLOCK);
+                let words = size[2].div_ceil(BLOCK_LANES);
                 let [mut in_u, mut in_v] = [(); 2].map(|()| vec![[0; BESIDE]; words]);
                 bounds.bits(0, &us, &mut in_u);
                 bounds.bits(1, &vs, &mut in_v);
                 let inside = |bits: &[[u16; BESIDE]], axis: usize, k: usize| {
                     let place = (3 * (by[2] + 1) + by[axis] + 1) as usize;
-                    bits[k / BLOCK][place] >> (k % BLOCK) & 1 != 0
+                    bits[k / BLOCK_LANES][place] >> (k % BLOCK_LANES) & 1 != 0
                 };
                 let rays: Vec<_> = stretches.of(plane, slot).collect();
                 let all: Vec<DiscreteRay> = rays.iter().flat_map(|(ray, depths)| depths.clone().map(|_| *ray)).collect();

@@ -8,7 +8,7 @@ use crate::plane::Plane;
 use cube3_abc::ends::PlaneEnds;
 use cube3_abc::lanes::{AbcLanes, ShadedRow};
 use cube3_cone::lanes::{Accumulator, ConeLanes};
-use cube3_frame::{Bands, FrameSetup, Overflows, Perspective};
+use cube3_frame::{Bands, FrameSetup, Overflows, PerspectivePass};
 use cube3_trilin::lanes::TrilinLanes;
 use cube3_word::vectorised;
 use std::ops::Range;
@@ -17,7 +17,7 @@ use std::slice::ChunksMut;
 /// The units' lanes and the planes between them, for one band of a pass.
 pub(crate) struct PassWorker<'a, T> {
     setup: &'a FrameSetup,
-    pass: &'a Perspective,
+    pass: &'a PerspectivePass,
     bands: &'a Bands,
     volume: &'a CanonicalVolume<'a>,
     trilin: TrilinLanes,
@@ -40,7 +40,7 @@ pub(crate) struct PassWorker<'a, T> {
 impl<'a, T: Accumulator> PassWorker<'a, T> {
     pub fn new(
         setup: &'a FrameSetup,
-        pass: &'a Perspective,
+        pass: &'a PerspectivePass,
         bands: &'a Bands,
         volume: &'a CanonicalVolume<'a>,
         abc: AbcLanes,
@@ -98,7 +98,7 @@ impl<'a, T: Accumulator> PassWorker<'a, T> {
     }
 
     /// The lerps along w and u at a depth, in the rows that `row_at` gives for the two planes of it, where they are in the volume.
-    fn sides(&mut self, into: usize, k: usize, row_at: impl Fn(&Perspective, usize) -> i32) {
+    fn sides(&mut self, into: usize, k: usize, row_at: impl Fn(&PerspectivePass, usize) -> i32) {
         let geometry = &self.setup.geometry;
         let far = if geometry.offset == 0 { k } else { k + 1 };
         let row = |k: usize| usize::try_from(row_at(self.pass, k)).ok().filter(|&row| row < geometry.size[1]);

@@ -6,7 +6,7 @@ use cube3_frame::{
     RayRegisters, SLOPE_FRACTION_BITS,
 };
 use cube3_machine::{Differences, GradientMethod, MachineSpec};
-use cube3_scene::{Crop, Cut, DepthCue, Mode, Threshold, ViewFrame, corrected_opacity};
+use cube3_scene::{Crop, Cut, DepthCue, Mode, Threshold, ViewFrame, corrected_opacity, smallest_spacing};
 use cube3_word::{Words, quantise_fraction, unit_full, unit_resize};
 
 /// A function `normal · p + constant` of the voxel position, over rays and depths, or over places in perspective.
@@ -102,7 +102,7 @@ pub(crate) fn depth_cue(cue: &DepthCue, geometry: &Geometry, spacing: [f64; 3], 
 pub fn step_length(geometry: &Geometry, spacing: [f64; 3]) -> f64 {
     let s = geometry.axes.permute(spacing);
     let [du, dv] = geometry.real_slopes();
-    let smallest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
+    let smallest = smallest_spacing(spacing);
     let square = (s[0] * du).powi(2) + (s[1] * dv).powi(2) + s[2].powi(2);
     square.sqrt() / smallest
 }
@@ -142,7 +142,7 @@ impl StepLengths {
         let [least_u, least_v] = [least(&along_u), least(&along_v)];
         let shortest = least_u + least_v + s[2].powi(2);
         let range = most(&along_u) - least_u + (most(&along_v) - least_v);
-        let smallest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
+        let smallest = smallest_spacing(spacing);
         let classes = match corrects {
             true if range > shortest * SAME_LENGTH => RayRegisters::MOST_CLASSES,
             _ => 1,
@@ -287,7 +287,7 @@ pub(crate) fn opacity_word(alpha: f64, length: f64, one: u32) -> u32 {
 /// The gradient, in data values for each smallest voxel spacing, that a magnitude word of 1 stands for.
 pub(crate) fn magnitude_unit(machine: &MachineSpec, volume: &VolumeInfo, basis: &Basis) -> f64 {
     let words = &machine.words;
-    let smallest = volume.spacing.iter().copied().fold(f64::INFINITY, f64::min);
+    let smallest = smallest_spacing(volume.spacing);
     let (_, length) = basis.scale(machine.abc.gradient);
     let kept = gradient_scale(machine, basis).kept_bits;
     let dropped = f64::from(1_u32 << words.gradient_drop()) / f64::from(1_u32 << (words.sample_fraction_bits + kept));

@@ -16,5 +16,5 @@ pub use canonical::{CanonicalView, canonical};
 pub use classification::OpacityEntries;
 pub use golden::{Basis, step_length, whole_step_opacity};
 pub use picture::{PictureFrames, picture_setup};
-pub use setup::{Frame, HostError, LARGEST_RATIO, SPACING_RANGE, VolumeInfo, check_bus, frame_setup};
+pub use setup::{HostError, LARGEST_RATIO, ParallelFrame, SPACING_RANGE, VolumeInfo, check_bus, frame_setup};
 pub use warp::{warp, warp_passes, warp_reals};

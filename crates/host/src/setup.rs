@@ -7,7 +7,7 @@ use cube3_frame::{
     RayRegisters, largest_offset, slope_register,
 };
 use cube3_machine::{Abc, BusKind, Differences, GradientMethod, MachineSpec, ShadingUnit, TemplateRule};
-use cube3_plan::{Item, Needs, Part, Plan, Rule, Rules};
+use cube3_plan::{Item, Needs, Plan, Presence, Rule, Rules};
 use cube3_scene::{Mode, Scene, SceneError, ViewFrame};
 use cube3_word::{quantise_fraction, quantise_unit};
 use std::borrow::Cow;
@@ -108,7 +108,7 @@ pub fn check_bus(machine: &MachineSpec, perspective: bool) -> Result<(), HostErr
 
 /// A frame as the host has set it up.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
+pub struct ParallelFrame {
     /// The registers and tables.
     pub setup: FrameSetup,
     /// The picture's axes.
@@ -128,14 +128,14 @@ pub fn frame_setup(
     machine: &MachineSpec,
     volume: &VolumeInfo,
     rules: impl Into<Rules>,
-) -> Result<Frame, HostError> {
+) -> Result<ParallelFrame, HostError> {
     let view = checked_view(scene, volume)?;
     check_ends(scene, machine)?;
     let geometry = geometry(scene, machine, volume, &view);
     let plan = Plan::new(scene, machine, rules.into());
     let setup = registers(scene, machine, volume, &plan, &view, geometry);
     let left_out = plan.items(machine, scene.lights.len(), std::slice::from_ref(&setup));
-    Ok(Frame { setup, view, left_out })
+    Ok(ParallelFrame { setup, view, left_out })
 }
 
 /// The picture's axes, of a volume that the registers can take.
@@ -255,9 +255,9 @@ pub(crate) fn registers(
         gradient,
         normaliser: plan.normaliser.is_there().then(|| Normaliser::new(words.normal_bits, machine.abc.root_bits)),
         shading: match plan.shading {
-            Part::Needed => Some(shading::registers(scene, machine, view, &geometry, &basis)),
-            Part::Idle => Some(shading::neutral(machine)),
-            Part::Absent => None,
+            Presence::Needed => Some(shading::registers(scene, machine, view, &geometry, &basis)),
+            Presence::Idle => Some(shading::neutral(machine)),
+            Presence::Absent => None,
         },
         depth_cue: cue.or_else(|| plan.depth_cue.is_there().then(neutral_cue)),
         cone: ConeRegisters {
@@ -372,6 +372,7 @@ mod tests {
     use super::*;
     use cube3_frame::Axes;
     use cube3_machine::Bus;
+    use cube3_scene::smallest_spacing;
     use cube3_word::Words;
 
     #[test]
@@ -435,7 +436,7 @@ mod tests {
             let geometry = Geometry::perspective(&shape).unwrap();
             let steps = StepLengths::new(corrects_opacity(&scene), &geometry, spacing);
             let pass = geometry.perspective.as_ref().unwrap();
-            let smallest = spacing.into_iter().fold(f64::INFINITY, f64::min);
+            let smallest = smallest_spacing(spacing);
             let squares: Vec<(f64, usize)> = (0..pass.u.count() * pass.v.count())
                 .map(|i| {
                     let (column, row) = (i % pass.u.count(), i / pass.u.count());

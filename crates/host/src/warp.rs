@@ -1,7 +1,7 @@
 //! The warp of base planes to the picture.
 
 use crate::picture::major;
-use cube3_frame::{BasePlane, Geometry, Perspective, SLOPE_FRACTION_BITS};
+use cube3_frame::{BasePlane, Geometry, PerspectivePass, SLOPE_FRACTION_BITS};
 use cube3_scene::{ImagePlane, over};
 use glam::{DAffine2, DMat2, DVec2, DVec3};
 
@@ -112,7 +112,7 @@ pub fn warp_passes(
 /// What the pass beside weighs against 1 of a ray's own pass, for a ray whose part along the other major axis is `slope` of that along its
 /// own: 1 at the joint, down to 0 at the last slope that both have.
 fn share(slope: f64, own: &Geometry, beside: &Geometry) -> f64 {
-    let farthest = |geometry: &Geometry| geometry.perspective.as_ref().map_or(1.0, Perspective::farthest_slope);
+    let farthest = |geometry: &Geometry| geometry.perspective.as_ref().map_or(1.0, PerspectivePass::farthest_slope);
     let width = 1.0 - 1.0 / farthest(own).min(farthest(beside));
     if width > 0.0 { (1.0 - (1.0 - slope) / width).max(0.0) } else { 0.0 }
 }

@@ -2,10 +2,12 @@
 
 use cube3_parameter::Choice;
 use serde::{Deserialize, Serialize};
+use strum::{IntoStaticStr, VariantArray};
 
 /// How written and read voxels share the memory modules.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum AcquisitionMode {
     /// A second port of every module: writing costs reading nothing, and a frame may show a volume that changes.
     #[default]
@@ -17,8 +19,9 @@ pub enum AcquisitionMode {
 }
 
 /// What a bus can do with a beam.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum BusKind {
     /// Any voxel to any lane: what perspective needs.
     #[default]
@@ -28,8 +31,9 @@ pub enum BusKind {
 }
 
 /// How the nodes that make a pixel are joined.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum ConeKind {
     /// A binary tree with cross-links, which starts at any leaf: the paper's.
     #[default]
@@ -44,8 +48,7 @@ pub enum ConeKind {
 
 impl ConeKind {
     /// Every kind.
-    pub const ALL: [ConeKind; 4] =
-        [ConeKind::FoldedTree, ConeKind::ShiftedTree, ConeKind::Chain, ConeKind::Accumulator];
+    pub const ALL: [ConeKind; ConeKind::VARIANTS.len()] = *ConeKind::VARIANTS.first_chunk().unwrap();
 
     /// The order in which its nodes combine the samples of a ray.
     pub fn order(self) -> ConeOrder {
@@ -68,8 +71,9 @@ pub enum ConeOrder {
 }
 
 /// How rays of a tilted view share the machine's ray slots.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum RaySlots {
     /// Rays u and u − n, which together have n voxels, share one slot; planes v and v − n likewise.
     #[default]
@@ -79,8 +83,9 @@ pub enum RaySlots {
 }
 
 /// Where the discrete ray takes its floor.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum TemplateRule {
     /// At the sample, `X(k) = ⌊(k+o)·du⌋`: the paper's. The offset is bounded by `1 − max(du, dv)`, equation (3).
     #[default]
@@ -93,8 +98,9 @@ pub enum TemplateRule {
 }
 
 /// How much of a step the first and the last sample of a ray stand for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum RayEnds {
     /// A whole one, as every sample.
     #[default]
@@ -105,8 +111,9 @@ pub enum RayEnds {
 }
 
 /// Rows of the table of memory modules; the numbers are in [`crate::MemoryModel`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum MemoryType {
     /// A word in every pipeline cycle, whatever its address.
     #[default]
@@ -129,8 +136,9 @@ impl MemoryType {
 }
 
 /// Where a voxel lies in its memory module.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Layout {
     /// Rows of voxels behind one another, along x, then y, then z.
     #[default]
@@ -146,7 +154,7 @@ pub enum Layout {
 
 impl Layout {
     /// Every layout, in the order of their numbers in vectors.
-    pub const ALL: [Layout; 3] = [Layout::Rows, Layout::Blocks, Layout::MiniBlocks];
+    pub const ALL: [Layout; Layout::VARIANTS.len()] = *Layout::VARIANTS.first_chunk().unwrap();
 
     /// Whether modules can hold a volume in this layout: with mini-blocks each run of `lanes` of them along x has to meet every module.
     pub fn takes(self, skew: [i64; 3], lanes: usize) -> bool {
@@ -156,8 +164,9 @@ impl Layout {
 }
 
 /// Which intermediate lerps a TRILIN unit keeps; the values are the same, the multipliers differ.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Reuse {
     /// Nothing: 7 lerps a sample.
     None,
@@ -172,7 +181,7 @@ pub enum Reuse {
 
 impl Reuse {
     /// Every level.
-    pub const ALL: [Reuse; 4] = [Reuse::None, Reuse::Ray, Reuse::Plane, Reuse::Both];
+    pub const ALL: [Reuse; Reuse::VARIANTS.len()] = *Reuse::VARIANTS.first_chunk().unwrap();
 
     /// Lerps, and so multipliers, for each sample.
     pub fn lerps(self) -> u32 {
@@ -186,7 +195,7 @@ impl Reuse {
 }
 
 /// Gradient estimators, by the samples that they read. Sections 4 of the paper and 3 of the design.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, VariantArray)]
 pub enum GradientMethod {
     /// Neighbours in u, in v and along the ray, treated as if orthogonal.
     #[serde(rename = "6")]
@@ -213,8 +222,9 @@ pub enum GradientMethod {
 }
 
 /// How the ABC unit shades.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum ShadingUnit {
     /// Normalise, then Phong with integer multipliers.
     #[default]

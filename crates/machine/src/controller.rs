@@ -1,10 +1,12 @@
 //! How the controller of a memory module works: the choices of a machine file.
 
 use serde::{Deserialize, Serialize};
+use strum::{IntoStaticStr, VariantArray};
 
 /// In which bank a row of words lies.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum BankHash {
     /// The lowest digit of the row's number to the base of the banks.
     Plain,
@@ -80,8 +82,9 @@ fn digit_sum(row: u64, bits: u32) -> usize {
 }
 
 /// In which order the words of a burst come that starts at the word asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum BurstOrder {
     /// Word p of a burst that starts at word s comes in place p ⊕ s.
     Interleaved,
@@ -90,8 +93,9 @@ pub enum BurstOrder {
 }
 
 /// What the look-ahead of a module counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum LookAheadUnit {
     /// Words; under the scan of beams, steps.
     #[default]
@@ -101,8 +105,9 @@ pub enum LookAheadUnit {
 }
 
 /// When a place of the look-ahead is free again.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum LookAheadFreed {
     /// When the pipeline takes the word.
     #[default]
@@ -112,8 +117,9 @@ pub enum LookAheadFreed {
 }
 
 /// In which order a module serves the words that it is asked for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum ControllerKind {
     /// Reads in the order of the words; rows are opened ahead.
     #[default]

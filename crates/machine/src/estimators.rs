@@ -137,6 +137,12 @@ impl GradientMethod {
     };
 }
 
+impl From<GradientMethod> for &'static str {
+    fn from(method: GradientMethod) -> &'static str {
+        method.name()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

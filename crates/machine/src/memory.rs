@@ -3,9 +3,10 @@
 //! A module is a row of data. The controller in `cube3_cfb` knows commands and constraints, and no module by name.
 
 use crate::{BurstOrder, Cfb, LookAheadFreed, LookAheadUnit, MemoryType};
+use strum::VariantArray;
 
 /// What a module is told to do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, VariantArray)]
 pub enum Command {
     /// Opens a row of a bank: ACT, or RAS falling.
     Activate,
@@ -21,8 +22,7 @@ pub enum Command {
 
 impl Command {
     /// Every command.
-    pub const ALL: [Command; 5] =
-        [Command::Activate, Command::Read, Command::Write, Command::Precharge, Command::Refresh];
+    pub const ALL: [Command; Command::VARIANTS.len()] = *Command::VARIANTS.first_chunk().unwrap();
 }
 
 /// Which earlier commands a constraint looks at.

@@ -6,35 +6,22 @@ use crate::{
 };
 use cube3_parameter::Choice;
 
-macro_rules! names {
-    ($($type:ident: $($choice:ident $name:literal),+;)+) => {$(
-        impl Choice for $type {
-            const NAMES: &'static [(Self, &'static str)] = &[$(($type::$choice, $name)),+];
-        }
-    )+};
-}
-
-names! {
-    AcquisitionMode: DualPort "dual-port", CycleStealing "cycle-stealing", DoubleBuffer "double-buffer";
-    BankHash: Plain "plain", Xor "xor", DigitSum "digit-sum";
-    BurstOrder: Interleaved "interleaved", Sequential "sequential";
-    BusKind: Gather "gather", Rotate "rotate";
-    ConeKind: FoldedTree "folded-tree", ShiftedTree "shifted-tree", Chain "chain", Accumulator "accumulator";
-    ControllerKind: InOrder "in-order", FrFcfs "fr-fcfs";
-    Layout: Rows "rows", Blocks "blocks", MiniBlocks "mini-blocks";
-    LookAheadFreed: Word "word", Column "column";
-    LookAheadUnit: Words "words", Bursts "bursts";
-    MemoryType: Ideal "ideal", Vram "vram", FastPage "fast-page", Sdram "sdram", Hbm "hbm";
-    RayEnds: Published "published", Exact "exact";
-    RaySlots: Wrapped "wrapped", Padded "padded";
-    Reuse: None "none", Ray "ray", Plane "plane", Both "both";
-    ShadingUnit: Phong "phong", ReflectanceTable "reflectance-table";
-    TemplateRule: SampleFloor "sample-floor", PlaneFloor "plane-floor", Nearest "nearest";
-}
-
-impl Choice for GradientMethod {
-    const NAMES: &'static [(Self, &'static str)] = &GradientMethod::ALL;
-}
+impl Choice for AcquisitionMode {}
+impl Choice for BankHash {}
+impl Choice for BurstOrder {}
+impl Choice for BusKind {}
+impl Choice for ConeKind {}
+impl Choice for ControllerKind {}
+impl Choice for GradientMethod {}
+impl Choice for Layout {}
+impl Choice for LookAheadFreed {}
+impl Choice for LookAheadUnit {}
+impl Choice for MemoryType {}
+impl Choice for RayEnds {}
+impl Choice for RaySlots {}
+impl Choice for Reuse {}
+impl Choice for ShadingUnit {}
+impl Choice for TemplateRule {}
 
 #[cfg(test)]
 mod tests {
@@ -49,13 +36,12 @@ mod tests {
     }
 
     /// Files know each choice by its name, and no choice beside them.
-    fn same_as_in_files<C: Choice + DeserializeOwned + Debug>() {
-        for (choice, name) in C::NAMES {
-            assert_eq!(read::<C>(name).unwrap(), *choice);
-            assert_eq!(choice.name(), *name);
+    fn same_as_in_files<C: Choice + DeserializeOwned + Debug + PartialEq>() {
+        for &choice in C::VARIANTS {
+            assert_eq!(read::<C>(choice.name()).unwrap(), choice);
         }
         let known = read::<C>("?").unwrap_err().to_string();
-        assert_eq!(known.matches('`').count(), 2 + 2 * C::NAMES.len(), "{known}");
+        assert_eq!(known.matches('`').count(), 2 + 2 * C::VARIANTS.len(), "{known}");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Every parameter of a machine: a row for each key of its files.
 
 use crate::{BurstOrder, MachineSpec, MemoryModel, TemplateRule};
-use cube3_parameter::{Choice, Kind, Legal, Parameter, Unfit, Value, named, parameter};
+use cube3_parameter::{Choice, Legal, Parameter, Unfit, Value, ValueKind, named, names, parameter};
 use cube3_word::{Length, Rounding, Words};
 
 /// The tables of a machine file in the order in which it is printed, each with what stands above it.
@@ -96,7 +96,7 @@ fn bursts(machine: &MachineSpec) -> Legal {
 /// The orders of bursts of the memory that the machine has: all, or none.
 fn burst_orders(machine: &MachineSpec) -> Legal {
     let choice = MemoryModel::of(machine.cfb.memory).burst_order.is_some();
-    Legal::names(BurstOrder::NAMES.iter().filter(|_| choice).map(|(_, name)| *name))
+    Legal::names(names::<BurstOrder>().filter(|_| choice))
 }
 
 /// Those of machine files: labels, which take the nearest voxel, are the scene's.
@@ -105,8 +105,8 @@ fn templates(_: &MachineSpec) -> Legal {
 }
 
 fn set_rounding(machine: &mut MachineSpec, value: &Value) -> Result<(), Unfit> {
-    let unfit = || Unfit { value: value.clone(), kind: Kind::Choice, optional: false };
-    machine.words.rounding = named(&Rounding::NAMES, value).ok_or_else(unfit)?;
+    let unfit = || Unfit { value: value.clone(), kind: ValueKind::Choice, optional: false };
+    machine.words.rounding = named(value).ok_or_else(unfit)?;
     Ok(())
 }
 
@@ -132,14 +132,14 @@ pub const PARAMETERS: &[Parameter<MachineSpec>] = &[
         "ours: accumulators of 12 bits that truncate lose 12/255 over 512 samples"),
     Parameter {
         key: "words.rounding",
-        kind: Kind::Choice,
+        kind: ValueKind::Choice,
         unit: "",
         about: "what happens to the bits that a multiplication drops",
         source: "ours",
         optional: false,
         example: "",
         because: "",
-        legal: |_| Legal::names(Rounding::NAMES.map(|(_, name)| name)),
+        legal: |_| Legal::names(names::<Rounding>()),
         get: |machine| Value::Text(machine.words.rounding.name().to_owned()),
         set: set_rounding,
     },

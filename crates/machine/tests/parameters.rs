@@ -1,7 +1,7 @@
 //! The table of parameters against the machines that it is of.
 
 use cube3_machine::{Layout, MachineError, MachineSpec, MemoryType, PARAMETERS, PRESETS};
-use cube3_parameter::{Kind, Legal, Parameter, Value};
+use cube3_parameter::{Legal, Parameter, Value, ValueKind};
 use std::collections::BTreeSet;
 
 /// A machine in which every key that may be absent is given.
@@ -67,11 +67,11 @@ fn around(row: &Parameter<MachineSpec>, machine: &MachineSpec) -> Vec<Value> {
             let others = [Value::Whole(0), Value::Whole(99), Value::Text("nothing".into())];
             values.into_iter().chain(others).collect()
         }
-        Legal::Anything if row.kind == Kind::Flag => [true, false].map(Value::Flag).to_vec(),
+        Legal::Anything if row.kind == ValueKind::Flag => [true, false].map(Value::Flag).to_vec(),
         Legal::Anything => ["one", "another"].map(|name| Value::Text(name.into())).to_vec(),
     };
     match row.kind {
-        Kind::List(_) => values.into_iter().map(|value| Value::List(vec![value; 3])).collect(),
+        ValueKind::List(_) => values.into_iter().map(|value| Value::List(vec![value; 3])).collect(),
         _ => values,
     }
 }
@@ -118,19 +118,24 @@ fn a_number_out_of_range_names_line_key_range_and_the_nearest() {
             Legal::Whole { low, high } => [Value::Whole(low - 1), Value::Whole(high + 1)],
             Legal::Real { low, high, .. } => [Value::Real(low - 1.0), Value::Real(high * 1.25)],
             _ => {
-                let number = matches!(row.kind, Kind::Whole | Kind::Real | Kind::List(Kind::Whole | Kind::Real));
+                let number = matches!(
+                    row.kind,
+                    ValueKind::Whole | ValueKind::Real | ValueKind::List(ValueKind::Whole | ValueKind::Real)
+                );
                 assert!(!number || row.key == "cfb.burst_words", "{}: a number has a range", row.key);
                 continue;
             }
         };
         for value in outside {
             let nearest = legal.nearest(&value);
-            let text = if matches!(row.kind, Kind::List(_)) { format!("[1, {value}, 1]") } else { value.to_string() };
+            let text =
+                if matches!(row.kind, ValueKind::List(_)) { format!("[1, {value}, 1]") } else { value.to_string() };
             let (file, line) = file(row, &text);
             let error = MachineSpec::from_toml(&file, "m.toml").unwrap_err();
             let MachineError::Value { place, fault } = &error else { panic!("{error}") };
             assert_eq!(*place, format!("m.toml:{line}"), "{error}");
-            let key = if matches!(row.kind, Kind::List(_)) { format!("{}[1]", row.key) } else { row.key.to_owned() };
+            let key =
+                if matches!(row.kind, ValueKind::List(_)) { format!("{}[1]", row.key) } else { row.key.to_owned() };
             assert_eq!((&fault.key, &fault.value, &fault.legal, &fault.nearest), (&key, &value, &legal, &nearest));
             assert!(error.to_string().starts_with(&format!("m.toml:{line}: {key} = {value} is ")), "{error}");
         }

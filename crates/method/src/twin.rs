@@ -5,7 +5,7 @@ use cube3_frame::Geometry;
 use cube3_picture::{Phase, Picture, Rendering, Watch};
 use cube3_rendering::{About, Feature, MethodError, MethodOption, OptionKind, Settings};
 use cube3_scene::Mode;
-use cube3_twin::{DiscreteOptions, Interpolation, discrete};
+use cube3_twin::{DiscreteOptions, SampleCell, discrete};
 
 /// The place of what ends stand for among the options.
 const ENDS: usize = 0;
@@ -54,17 +54,17 @@ pub(crate) const TRUE: About = About {
 };
 
 pub(crate) fn sheared(subject: &Subject<'_>, settings: &Settings, watch: Watch<'_>) -> Result<Rendering, RenderError> {
-    along_rays(subject, settings, Interpolation::Sheared, watch)
+    along_rays(subject, settings, SampleCell::Sheared, watch)
 }
 
 pub(crate) fn true_3d(subject: &Subject<'_>, settings: &Settings, watch: Watch<'_>) -> Result<Rendering, RenderError> {
-    along_rays(subject, settings, Interpolation::Exact, watch)
+    along_rays(subject, settings, SampleCell::Exact, watch)
 }
 
 fn along_rays(
     subject: &Subject<'_>,
     settings: &Settings,
-    interpolation: Interpolation,
+    interpolation: SampleCell,
     watch: Watch<'_>,
 ) -> Result<Rendering, RenderError> {
     let &Subject { scene, machine, volume, .. } = subject;

@@ -13,7 +13,7 @@ use cube3_rendering::{About, Feature, MethodError, MethodOption, OptionKind, Sce
 use cube3_scene::{
     ColourPoint, Crop, Cut, DepthCue, Image, Layer, Light, Mode, Perspective, Scene, Threshold, View, VolumeSource,
 };
-use cube3_twin::{DiscreteOptions, Interpolation, discrete};
+use cube3_twin::{DiscreteOptions, SampleCell, discrete};
 use cube3_volume::ReadOptions;
 use std::collections::BTreeSet;
 use std::sync::Mutex;
@@ -66,9 +66,9 @@ fn each_row_is_the_code_behind_it() {
 
     let border = words.window[0];
     for (name, interpolation, whole_steps) in [
-        ("sheared", Interpolation::Sheared, false),
-        ("true", Interpolation::Exact, false),
-        ("true:published", Interpolation::Exact, true),
+        ("sheared", SampleCell::Sheared, false),
+        ("true", SampleCell::Exact, false),
+        ("true:published", SampleCell::Exact, true),
     ] {
         let options = DiscreteOptions { gradient: machine.abc.gradient, border, whole_steps };
         let base = discrete(&volume.data, &scene, geometry, interpolation, &options, None).unwrap();

@@ -4,7 +4,7 @@ use cube3_metrics::{WorkPrecision, front};
 use proptest::prelude::*;
 
 fn points(points: &[(f64, f64)]) -> Vec<WorkPrecision> {
-    points.iter().map(|&(time_s, error)| WorkPrecision { time_s, error }).collect()
+    points.iter().map(|&(cost, error)| WorkPrecision { cost, error }).collect()
 }
 
 #[test]

@@ -1,22 +1,25 @@
 //! Choices, each with its name in files.
 
 use crate::Value;
+use strum::VariantArray;
 
-/// A choice among a few, each with a name in files.
-pub trait Choice: Copy + PartialEq + 'static {
-    /// Every choice with its name, in the order in which they are listed.
-    const NAMES: &'static [(Self, &'static str)];
-
-    /// Its name in files; without letters where [`NAMES`](Self::NAMES) does not have it.
+/// A choice among a few, each with a name in files: what it is made into as text.
+pub trait Choice: VariantArray + Into<&'static str> + Copy + 'static {
+    /// Its name in files.
     fn name(self) -> &'static str {
-        Self::NAMES.iter().find(|(known, _)| *known == self).map_or("", |(_, name)| name)
+        self.into()
     }
 }
 
-/// The choice that a value names; none where the table does not have it.
-pub fn named<C: Copy>(names: &[(C, &'static str)], value: &Value) -> Option<C> {
+/// The names of every choice, in the order in which they are listed.
+pub fn names<C: VariantArray + Into<&'static str> + Copy>() -> impl Iterator<Item = &'static str> {
+    C::VARIANTS.iter().map(|&choice| choice.into())
+}
+
+/// The choice that a value names; none where there is no such name.
+pub fn named<C: VariantArray + Into<&'static str> + Copy>(value: &Value) -> Option<C> {
     let Value::Text(text) = value else { return None };
-    names.iter().find(|(_, name)| name == text).map(|(choice, _)| *choice)
+    C::VARIANTS.iter().copied().find(|&choice| choice.into() == *text)
 }
 
 /// A name is offered for an unknown one when it is at least this near (Jaro-Winkler, 0 to 1).

@@ -1,6 +1,6 @@
 //! A row in words and numbers, for lists of parameters.
 
-use crate::{Kind, Legal, Parameter, Value};
+use crate::{Legal, Parameter, Value, ValueKind};
 use serde::{Serialize, Serializer};
 
 /// What a list of parameters says of one.
@@ -10,7 +10,7 @@ pub struct Description {
     pub key: &'static str,
     /// The kind of its values.
     #[serde(serialize_with = "in_words")]
-    pub kind: Kind,
+    pub kind: ValueKind,
     /// The unit; may be empty.
     pub unit: &'static str,
     /// What is legal where the rest is as it is by default.
@@ -40,7 +40,7 @@ impl Description {
     }
 }
 
-fn in_words<S: Serializer>(kind: &Kind, serializer: S) -> Result<S::Ok, S::Error> {
+fn in_words<S: Serializer>(kind: &ValueKind, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_str(kind)
 }
 

@@ -1,12 +1,12 @@
 //! The fields that rows read and set: how a type of Rust becomes a [`Value`] and back.
 
-use crate::{Choice, Legal, Value, named};
+use crate::{Choice, Legal, Value, named, names};
 use std::fmt;
 use std::path::PathBuf;
 
 /// What kind of value a parameter has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ValueKind {
     /// True or false.
     Flag,
     /// A whole number.
@@ -18,18 +18,18 @@ pub enum Kind {
     /// Text.
     Text,
     /// Several of a kind.
-    List(&'static Kind),
+    List(&'static ValueKind),
 }
 
-impl fmt::Display for Kind {
+impl fmt::Display for ValueKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Kind::Flag => "flag",
-            Kind::Whole => "whole number",
-            Kind::Real => "number",
-            Kind::Choice => "name",
-            Kind::Text => "text",
-            Kind::List(of) => return write!(f, "list: {of}"),
+            ValueKind::Flag => "flag",
+            ValueKind::Whole => "whole number",
+            ValueKind::Real => "number",
+            ValueKind::Choice => "name",
+            ValueKind::Text => "text",
+            ValueKind::List(of) => return write!(f, "list: {of}"),
         })
     }
 }
@@ -41,7 +41,7 @@ pub struct Unfit {
     /// The value.
     pub value: Value,
     /// What the field holds.
-    pub kind: Kind,
+    pub kind: ValueKind,
     /// Whether it may be absent.
     pub optional: bool,
 }
@@ -49,7 +49,7 @@ pub struct Unfit {
 /// A type of a field.
 pub trait Field: Sized {
     /// The kind of its values.
-    const KIND: Kind;
+    const KIND: ValueKind;
     /// Whether it may be absent.
     const OPTIONAL: bool = false;
     /// What of its kind is legal, whatever it is a field of: of a choice, its names.
@@ -86,18 +86,18 @@ pub fn assign_each<E, F: Field>(elements: &mut [E], field: fn(&mut E) -> &mut F,
         Value::List(values) if values.len() == elements.len() => {
             elements.iter_mut().zip(values).try_for_each(|(element, value)| assign(field(element), value))
         }
-        _ => Err(Unfit { value: value.clone(), kind: Kind::List(&F::KIND), optional: false }),
+        _ => Err(Unfit { value: value.clone(), kind: ValueKind::List(&F::KIND), optional: false }),
     }
 }
 
 /// The kind of the field that a function gives.
-pub const fn kind<T, F: Field>(_: fn(&T) -> &F) -> Kind {
+pub const fn kind<T, F: Field>(_: fn(&T) -> &F) -> ValueKind {
     F::KIND
 }
 
 /// The kind of the list of the field that a function gives, over elements.
-pub const fn kind_of_each<E, F: Field>(_: fn(&E) -> &F) -> Kind {
-    Kind::List(&F::KIND)
+pub const fn kind_of_each<E, F: Field>(_: fn(&E) -> &F) -> ValueKind {
+    ValueKind::List(&F::KIND)
 }
 
 /// Whether the field that a function gives may be absent.
@@ -113,7 +113,7 @@ pub fn legal<T, F: Field>(_: fn(&T) -> &F) -> Legal {
 macro_rules! whole {
     ($($type:ty),+) => {$(
         impl Field for $type {
-            const KIND: Kind = Kind::Whole;
+            const KIND: ValueKind = ValueKind::Whole;
             fn value(&self) -> Value {
                 Value::Whole(*self as i128)
             }
@@ -130,7 +130,7 @@ macro_rules! whole {
 whole!(u32, u64, usize, i64);
 
 impl Field for f64 {
-    const KIND: Kind = Kind::Real;
+    const KIND: ValueKind = ValueKind::Real;
     fn value(&self) -> Value {
         Value::Real(*self)
     }
@@ -140,7 +140,7 @@ impl Field for f64 {
 }
 
 impl Field for bool {
-    const KIND: Kind = Kind::Flag;
+    const KIND: ValueKind = ValueKind::Flag;
     fn value(&self) -> Value {
         Value::Flag(*self)
     }
@@ -153,7 +153,7 @@ impl Field for bool {
 }
 
 impl Field for String {
-    const KIND: Kind = Kind::Text;
+    const KIND: ValueKind = ValueKind::Text;
     fn value(&self) -> Value {
         Value::Text(self.clone())
     }
@@ -166,7 +166,7 @@ impl Field for String {
 }
 
 impl Field for PathBuf {
-    const KIND: Kind = Kind::Text;
+    const KIND: ValueKind = ValueKind::Text;
     /// What of the path is not Unicode is replaced.
     fn value(&self) -> Value {
         Value::Text(self.to_string_lossy().into_owned())
@@ -177,20 +177,20 @@ impl Field for PathBuf {
 }
 
 impl<C: Choice> Field for C {
-    const KIND: Kind = Kind::Choice;
+    const KIND: ValueKind = ValueKind::Choice;
     fn legal() -> Legal {
-        Legal::names(C::NAMES.iter().map(|(_, name)| *name))
+        Legal::names(names::<C>())
     }
     fn value(&self) -> Value {
         Value::Text(self.name().to_owned())
     }
     fn of(value: &Value) -> Option<Self> {
-        named(C::NAMES, value)
+        named(value)
     }
 }
 
 impl<F: Field> Field for Option<F> {
-    const KIND: Kind = F::KIND;
+    const KIND: ValueKind = F::KIND;
     const OPTIONAL: bool = true;
     fn legal() -> Legal {
         F::legal()
@@ -204,7 +204,7 @@ impl<F: Field> Field for Option<F> {
 }
 
 impl<F: Field + 'static> Field for Vec<F> {
-    const KIND: Kind = Kind::List(&F::KIND);
+    const KIND: ValueKind = ValueKind::List(&F::KIND);
     fn value(&self) -> Value {
         each(self, |element| element)
     }
@@ -217,7 +217,7 @@ impl<F: Field + 'static> Field for Vec<F> {
 }
 
 impl<F: Field + 'static, const N: usize> Field for [F; N] {
-    const KIND: Kind = Kind::List(&F::KIND);
+    const KIND: ValueKind = ValueKind::List(&F::KIND);
     fn value(&self) -> Value {
         each(self, |element| element)
     }

@@ -14,11 +14,11 @@ pub mod locate;
 mod row;
 mod value;
 
-pub use choice::{Choice, named, nearest_name};
+pub use choice::{Choice, named, names, nearest_name};
 pub use describe::Description;
 pub use explain::Unread;
 pub use fault::{Fault, check, number_fault};
-pub use field::{Field, Kind, Unfit, assign, assign_each, each, kind, kind_of_each, legal, optional};
+pub use field::{Field, Unfit, ValueKind, assign, assign_each, each, kind, kind_of_each, legal, optional};
 pub use legal::Legal;
 pub use row::Parameter;
 pub use value::Value;

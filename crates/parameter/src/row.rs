@@ -1,6 +1,6 @@
 //! A row of a table of parameters.
 
-use crate::{Kind, Legal, Unfit, Value};
+use crate::{Legal, Unfit, Value, ValueKind};
 
 /// One parameter of `T`: a key of its files.
 ///
@@ -10,7 +10,7 @@ pub struct Parameter<T> {
     /// The dotted path in files; `[]` stands for every element of a list, and the value is then the list over the elements.
     pub key: &'static str,
     /// The kind of its values.
-    pub kind: Kind,
+    pub kind: ValueKind,
     /// The unit of its values; empty where they are counts, names or parts of 1.
     pub unit: &'static str,
     /// What it is, in a sentence without its stop.

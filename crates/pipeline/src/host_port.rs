@@ -5,7 +5,7 @@
 //! ```
 //! The channel is the link's pixel FIFO: while its pixels wait, it fills, and the units before it stop one after another.
 
-use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, ClockDomain, Reason, Transfer};
+use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel, ClockDomain, Reason, TokenTransfer};
 use cube3_cone::{PixelCounts, PixelGroup, Pixels};
 use cube3_frame::{BasePlane, FrameSetup, Schedule};
 use cube3_machine::MachineSpec;
@@ -99,7 +99,7 @@ struct State {
     /// Cycles spent on the group in hand.
     spent: u64,
     /// The link, where it has a rate.
-    link: Option<Transfer>,
+    link: Option<TokenTransfer>,
 }
 
 impl<C: Collect> HostPort<C> {
@@ -117,7 +117,7 @@ impl<C: Collect> HostPort<C> {
             pixels: PixelCounts::new(&setup.geometry, schedule),
             pixel_bytes: COMPONENTS * u64::from(setup.words.accumulator_bits.div_ceil(8)),
         };
-        let link = machine.host_link.bytes_per_cycle.map(|rate| Transfer::new(ClockDomain::from_rate(rate)));
+        let link = machine.host_link.bytes_per_cycle.map(|rate| TokenTransfer::new(ClockDomain::from_rate(rate)));
         HostPort {
             frames: frames.into_iter().map(frame).collect(),
             state: State { link, ..State::default() },

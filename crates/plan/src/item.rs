@@ -31,7 +31,7 @@ impl Plan {
         let frames: Vec<&FrameSetup> = frames.iter().map(Borrow::borrow).collect();
         let mut items: Option<Vec<Item>> = None;
         for &setup in &frames {
-            let of_frame = Frame { plan: self, machine, lights, setup }.items();
+            let of_frame = FrameItems { plan: self, machine, lights, setup }.items();
             items = Some(match items {
                 None => of_frame,
                 Some(before) => before.into_iter().filter_map(|item| joined(item, &of_frame)).collect(),
@@ -57,14 +57,14 @@ fn joined(item: Item, next: &[Item]) -> Option<Item> {
 }
 
 /// A frame as it was made.
-struct Frame<'a> {
+struct FrameItems<'a> {
     plan: &'a Plan,
     machine: &'a MachineSpec,
     lights: usize,
     setup: &'a FrameSetup,
 }
 
-impl Frame<'_> {
+impl FrameItems<'_> {
     fn items(&self) -> Vec<Item> {
         let mut items = vec![
             self.gradient_unit(),
@@ -93,7 +93,7 @@ impl Frame<'_> {
         if self.setup.gradient.is_some() {
             return None;
         }
-        let Frame { machine, setup, .. } = *self;
+        let FrameItems { machine, setup, .. } = *self;
         let (words, method) = (&machine.words, machine.abc.gradient);
         let scale = if method.row().normalised { scale_operators(machine) } else { OperatorCounts::default() };
         let operators =
@@ -181,7 +181,7 @@ impl Frame<'_> {
         if geometry.closes()[1] || geometry.slots != RaySlots::Wrapped {
             return None;
         }
-        let Frame { machine, setup, .. } = *self;
+        let FrameItems { machine, setup, .. } = *self;
         let (schedule, words, overlap) = (self.schedule(), &machine.words, machine.frames.overlap);
         let voxels = schedule.first_voxels(overlap) * u64::from(words.voxel_bits);
         let samples = if setup.gradient.is_some() { schedule.first_samples(overlap) } else { 0 };

@@ -12,6 +12,6 @@ mod rules;
 mod savings;
 
 pub use item::Item;
-pub use needs::{Needs, Part, Plan};
+pub use needs::{Needs, Plan, Presence};
 pub use rules::{RULES, Rule, RuleRow, Rules};
 pub use savings::Savings;

@@ -38,7 +38,7 @@ fn lights_matter(mode: Mode) -> bool {
 
 /// How a frame has a part of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum Presence {
     /// Pixels depend on it.
     Needed,
     /// It is there, on registers that change nothing.
@@ -47,17 +47,17 @@ pub enum Part {
     Absent,
 }
 
-impl Part {
+impl Presence {
     /// Whether it is there.
     pub fn is_there(self) -> bool {
-        self != Part::Absent
+        self != Presence::Absent
     }
 
-    fn new(needed: bool, idle: bool) -> Part {
+    fn new(needed: bool, idle: bool) -> Presence {
         match (needed, idle) {
-            (true, _) => Part::Needed,
-            (false, true) => Part::Idle,
-            (false, false) => Part::Absent,
+            (true, _) => Presence::Needed,
+            (false, true) => Presence::Idle,
+            (false, false) => Presence::Absent,
         }
     }
 }
@@ -70,13 +70,13 @@ pub struct Plan {
     /// What pixels depend on.
     pub needs: Needs,
     /// The gradient unit.
-    pub gradient: Part,
+    pub gradient: Presence,
     /// The normaliser, which reads the gradient.
-    pub normaliser: Part,
+    pub normaliser: Presence,
     /// The shading unit, which reads normals.
-    pub shading: Part,
+    pub shading: Presence,
     /// Depth cueing.
-    pub depth_cue: Part,
+    pub depth_cue: Presence,
 }
 
 impl Plan {
@@ -84,10 +84,10 @@ impl Plan {
     pub fn new(scene: &Scene, machine: &MachineSpec, rules: Rules) -> Plan {
         let needs = Needs::of(scene, machine);
         let keep = |rule| !rules.follow(rule);
-        let shading = Part::new(needs.light, keep(Rule::ShadingUnit));
-        let normaliser = Part::new(needs.normal, keep(Rule::Normaliser) || shading == Part::Idle);
-        let gradient = Part::new(needs.gradient, keep(Rule::GradientUnit) || normaliser == Part::Idle);
-        let depth_cue = Part::new(needs.depth_cue, keep(Rule::DepthCue));
+        let shading = Presence::new(needs.light, keep(Rule::ShadingUnit));
+        let normaliser = Presence::new(needs.normal, keep(Rule::Normaliser) || shading == Presence::Idle);
+        let gradient = Presence::new(needs.gradient, keep(Rule::GradientUnit) || normaliser == Presence::Idle);
+        let depth_cue = Presence::new(needs.depth_cue, keep(Rule::DepthCue));
         Plan { rules, needs, gradient, normaliser, shading, depth_cue }
     }
 }

@@ -1,13 +1,13 @@
 //! Image-order ray casting: rays from the picture's pixels, steps of one length, exact interpolation.
 
 use crate::check::{check_volume, thickened};
-use crate::integrate::{Integrator, Probe, Ray, StepWeights};
+use crate::integrate::{Integrator, Ray, SamplePoint, StepWeights};
 use crate::interpolate::cell;
 use crate::progress::RowCount;
 use crate::span::{Drawn, ON_FACE, margin};
 use crate::{Progress, RaycastError};
 use cube3_picture::Picture;
-use cube3_scene::{ImagePlane, Scene, over, resolve_lights};
+use cube3_scene::{ImagePlane, Scene, over, resolve_lights, smallest_spacing};
 use cube3_volume::{Sample, Volume, with_samples};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -77,7 +77,7 @@ pub fn image_order(
     check_volume(volume, options.border)?;
     let (volume, scene) = thickened(volume, scene);
     let (volume, scene) = (&*volume, &*scene);
-    let smallest = volume.spacing.iter().copied().fold(f64::INFINITY, f64::min);
+    let smallest = smallest_spacing(volume.spacing);
     let diagonal: f64 = (0..3).map(|i| volume.dims[i] as f64 * volume.spacing[i] / smallest).sum();
     if !(options.step_voxel > 0.0 && options.step_voxel.is_finite() && diagonal / options.step_voxel <= MOST_STEPS) {
         return Err(RaycastError::Option {
@@ -234,21 +234,21 @@ fn cast_ray<S: Sample>(
     line: &Line,
     samples: &Samples,
 ) -> ([f64; 4], u64) {
-    let probe = |index: usize| {
+    let sample_at = |index: usize| {
         let cell = grid.cell(line.at(samples.at(index), grid.dims, grid.margin));
         PlacedSample { grid, cell }
     };
     let mut ray = Ray::START;
     let mut taken = 0;
     for index in 0..samples.count() {
-        let sample = probe(index);
+        let sample = sample_at(index);
         integrator.add(&mut ray, index, grid.value(sample.cell), samples.part(index), &sample);
         taken += 1;
         if ray.done {
             break;
         }
     }
-    (integrator.finish(&ray, probe), taken)
+    (integrator.finish(&ray, sample_at), taken)
 }
 
 /// The volume as the rays see it: `border` beyond its voxels.
@@ -326,7 +326,7 @@ struct PlacedSample<'a, S> {
     cell: Cell,
 }
 
-impl<S: Sample> Probe for PlacedSample<'_, S> {
+impl<S: Sample> SamplePoint for PlacedSample<'_, S> {
     fn position(&self) -> [f64; 3] {
         [0, 1, 2].map(|i| self.cell.corner[i] as f64 + self.cell.weights[i])
     }

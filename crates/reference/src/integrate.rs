@@ -9,7 +9,7 @@ use cube3_volume::Volume;
 use glam::DVec3;
 
 /// What may be asked of a sample beside its value; asked only where the pixel depends on it.
-pub trait Probe {
+pub trait SamplePoint {
     /// Its position in voxels, x, y, z.
     fn position(&self) -> [f64; 3];
     /// The gradient in values per smallest voxel spacing, in the frame that the lights are given in.
@@ -126,20 +126,20 @@ impl<'a> Integrator<'a> {
     /// Adds sample `index` of a ray, the next one from the front, which stands for the `part` of a step. It lies in what is drawn:
     /// crop box and cuts are in the ray's length.
     #[inline]
-    pub fn add(&mut self, ray: &mut Ray, index: usize, value: f64, part: f64, probe: &impl Probe) {
+    pub fn add(&mut self, ray: &mut Ray, index: usize, value: f64, part: f64, point: &impl SamplePoint) {
         match self.scene.mode {
             Mode::Composite => {
-                let (alpha, gradient) = self.visible_opacity(value, probe);
+                let (alpha, gradient) = self.visible_opacity(value, point);
                 if alpha > 0.0 {
                     let alpha = self.correct(alpha, part);
-                    let colour = self.lit_colour(value, gradient, probe);
+                    let colour = self.lit_colour(value, gradient, point);
                     ray.composite(colour, alpha, self.weights.stop_below);
                 }
             }
             Mode::WeightedSum => {
-                let (alpha, _) = self.visible_opacity(value, probe);
+                let (alpha, _) = self.visible_opacity(value, point);
                 if alpha > 0.0 {
-                    let colour = self.plain_colour(value, probe);
+                    let colour = self.plain_colour(value, point);
                     let weight = alpha * part * self.weights.sum;
                     for (sum, c) in ray.colour.iter_mut().zip(colour) {
                         *sum += c * weight;
@@ -148,7 +148,7 @@ impl<'a> Integrator<'a> {
                 }
             }
             Mode::FirstOpaque | Mode::LastOpaque => {
-                if self.visible_opacity(value, probe).0 >= self.scene.transfer.opaque_alpha {
+                if self.visible_opacity(value, point).0 >= self.scene.transfer.opaque_alpha {
                     ray.chosen = Some((index, value));
                     ray.done = self.scene.mode == Mode::FirstOpaque;
                 }
@@ -166,33 +166,33 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// The pixel of a ray, opacity-weighted: `probe(index)` finds a sample again.
-    pub fn finish<P: Probe>(&self, ray: &Ray, probe: impl Fn(usize) -> P) -> [f64; 4] {
+    /// The pixel of a ray, opacity-weighted: `point(index)` finds a sample again.
+    pub fn finish<P: SamplePoint>(&self, ray: &Ray, point: impl Fn(usize) -> P) -> [f64; 4] {
         let with_alpha = |[r, g, b]: [f64; 3], alpha: f64| [r, g, b, alpha];
         match (self.scene.mode, ray.chosen) {
             (Mode::Composite, _) => with_alpha(ray.colour, ray.composited_alpha()),
             (Mode::WeightedSum, _) => with_alpha(ray.colour.map(|c| c.min(1.0)), ray.alpha.min(1.0)),
             (_, None) => [0.0; 4],
             (Mode::FirstOpaque | Mode::LastOpaque, Some((index, value))) => {
-                with_alpha(self.lit_colour(value, None, &probe(index)), 1.0)
+                with_alpha(self.lit_colour(value, None, &point(index)), 1.0)
             }
             (Mode::Maximum | Mode::Minimum, Some((index, value))) => {
-                let probe = probe(index);
-                let (alpha, _) = self.opacity(value, &probe);
-                with_alpha(self.plain_colour(value, &probe).map(|c| c * alpha), alpha)
+                let point = point(index);
+                let (alpha, _) = self.opacity(value, &point);
+                with_alpha(self.plain_colour(value, &point).map(|c| c * alpha), alpha)
             }
         }
     }
 
     /// The opacity of a unit length, 0 for what is removed; and the gradient if it had to be read.
     #[inline]
-    fn visible_opacity(&self, value: f64, probe: &impl Probe) -> (f64, Option<[f64; 3]>) {
-        if value < self.clear_below || self.removed(value) { (0.0, None) } else { self.opacity(value, probe) }
+    fn visible_opacity(&self, value: f64, point: &impl SamplePoint) -> (f64, Option<[f64; 3]>) {
+        if value < self.clear_below || self.removed(value) { (0.0, None) } else { self.opacity(value, point) }
     }
 
-    fn opacity(&self, value: f64, probe: &impl Probe) -> (f64, Option<[f64; 3]>) {
+    fn opacity(&self, value: f64, point: &impl SamplePoint) -> (f64, Option<[f64; 3]>) {
         let transfer = &self.scene.transfer;
-        let gradient = transfer.is_two_dimensional().then(|| probe.gradient());
+        let gradient = transfer.is_two_dimensional().then(|| point.gradient());
         let magnitude = gradient.map_or(0.0, |gradient| DVec3::from(gradient).length());
         (transfer.opacity_at(value, magnitude), gradient)
     }
@@ -215,20 +215,20 @@ impl<'a> Integrator<'a> {
         self.corrected.1
     }
 
-    fn lit_colour(&self, value: f64, gradient: Option<[f64; 3]>, probe: &impl Probe) -> [f64; 3] {
+    fn lit_colour(&self, value: f64, gradient: Option<[f64; 3]>, point: &impl SamplePoint) -> [f64; 3] {
         let rgb = self.scene.transfer.colour_at(value);
         let material = &self.scene.material;
-        let normal = if material.shaded { normal(gradient.unwrap_or_else(|| probe.gradient())) } else { None };
-        self.cued(phong(material, &self.lights, normal, rgb), probe)
+        let normal = if material.shaded { normal(gradient.unwrap_or_else(|| point.gradient())) } else { None };
+        self.cued(phong(material, &self.lights, normal, rgb), point)
     }
 
-    fn plain_colour(&self, value: f64, probe: &impl Probe) -> [f64; 3] {
-        self.cued(self.scene.transfer.colour_at(value), probe)
+    fn plain_colour(&self, value: f64, point: &impl SamplePoint) -> [f64; 3] {
+        self.cued(self.scene.transfer.colour_at(value), point)
     }
 
-    fn cued(&self, colour: [f64; 3], probe: &impl Probe) -> [f64; 3] {
+    fn cued(&self, colour: [f64; 3], point: &impl SamplePoint) -> [f64; 3] {
         let Some(cue) = &self.cue else { return colour };
-        let factor = cue.at(probe.position());
+        let factor = cue.at(point.position());
         colour.map(|c| c * factor)
     }
 }

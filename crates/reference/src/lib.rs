@@ -15,7 +15,7 @@
 //! - [`check_volume`], [`thickened`]: what may be drawn, and as what.
 //! - [`Drawn`]: the stretch of a line inside of box, crop and cuts.
 //! - [`lerp`], [`cell`]: interpolation between voxels.
-//! - [`Integrator`]: from the samples of a [`Ray`] to its pixel: opacity, light, depth cue and the six modes; it asks a [`Probe`].
+//! - [`Integrator`]: from the samples of a [`Ray`] to its pixel: opacity, light, depth cue and the six modes; it asks a [`SamplePoint`].
 //! - [`Progress`], [`RowCount`]: how far a caster is.
 
 #![warn(missing_docs)]
@@ -32,7 +32,7 @@ mod span;
 pub use check::{check_volume, thickened};
 pub use error::RaycastError;
 pub use image_order::{ImageOrderOptions, ImageRendering, image_order};
-pub use integrate::{Integrator, Probe, Ray, StepWeights};
+pub use integrate::{Integrator, Ray, SamplePoint, StepWeights};
 pub use interpolate::{cell, lerp};
 pub use method::{IMAGE_ORDER, STEP};
 pub use progress::{Progress, RowCount};

@@ -50,12 +50,22 @@ pub fn name_list(names: &[(&str, String)]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cube3_parameter::Kind;
+    use cube3_parameter::ValueKind;
 
     fn parameter(key: &'static str, legal: Legal, default: Value) -> Description {
         let (unit, about) =
             ("metres", "how high it is above the sea, or above the street, or above the floor that it is on");
-        Description { key, kind: Kind::Real, unit, legal, because: "", default, optional: true, about, source: "ours" }
+        Description {
+            key,
+            kind: ValueKind::Real,
+            unit,
+            legal,
+            because: "",
+            default,
+            optional: true,
+            about,
+            source: "ours",
+        }
     }
 
     #[test]

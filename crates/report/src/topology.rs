@@ -92,7 +92,7 @@ fn percent(share: f64) -> String {
 /// Every kind of cycle of a unit, in words.
 fn words(name: &str, account: &Account) -> String {
     let kinds = [("busy", account.busy), ("starved", account.starved), ("blocked", account.blocked)];
-    let waiting = Reason::ALL.iter().map(|(reason, name)| (*name, account.waiting[*reason as usize]));
+    let waiting = Reason::ALL.iter().map(|&reason| (reason.name(), account.waiting[reason as usize]));
     let parts: Vec<String> = kinds
         .into_iter()
         .chain(waiting.filter(|(_, cycles)| *cycles > 0))

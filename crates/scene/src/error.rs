@@ -21,7 +21,7 @@ pub enum SceneError {
     #[error("{place}: {reason}; {right}")]
     Invalid {
         /// Where it is.
-        place: Place,
+        place: ScenePlace,
         /// What is wrong.
         reason: String,
         /// What would be right, as an instruction.
@@ -41,7 +41,7 @@ impl SceneError {
     /// An error at `key`, of a scene that may not come from a file.
     pub(crate) fn at(key: impl Into<String>, reason: impl Into<String>, right: impl Into<String>) -> Self {
         SceneError::Invalid {
-            place: Place { key: key.into(), ..Place::default() },
+            place: ScenePlace { key: key.into(), ..ScenePlace::default() },
             reason: reason.into(),
             right: right.into(),
         }
@@ -64,7 +64,7 @@ impl SceneError {
 
 /// Where in a scene something is: file and line where it has been read from one, and the key.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Place {
+pub struct ScenePlace {
     /// The name of the text that the scene was read from.
     pub file: Option<String>,
     /// The line in that text, from 1.
@@ -73,7 +73,7 @@ pub struct Place {
     pub key: String,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for ScenePlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.file.as_deref().unwrap_or("scene"))?;
         if let Some(line) = self.line {

@@ -7,7 +7,7 @@ use cube3_parameter::{Unread, number_fault};
 use toml::de::DeTable;
 
 use crate::check::Checked;
-use crate::{Place, SCENE_PARAMETERS, SCHEMA, Scene, SceneError};
+use crate::{SCENE_PARAMETERS, SCHEMA, Scene, SceneError, ScenePlace};
 
 impl Scene {
     /// The default scene as a text to edit: every key explained, optional ones commented out.
@@ -76,7 +76,7 @@ impl Scene {
 /// The TOML reader's error, with its place in `text`.
 fn toml_error(error: &toml::de::Error, text: &str, document: &DeTable, source_name: &str) -> SceneError {
     let Unread { line, key, reason, right } = Unread::new(error, text, document);
-    SceneError::Invalid { place: Place { file: Some(source_name.to_owned()), line, key }, reason, right }
+    SceneError::Invalid { place: ScenePlace { file: Some(source_name.to_owned()), line, key }, reason, right }
 }
 
 /// `schema` is a format that this program reads.

@@ -55,7 +55,7 @@ impl ImagePlane {
             return plane;
         }
         let pixel = match image.pixel_size_voxel {
-            Some(voxels) => voxels * smallest(spacing),
+            Some(voxels) => voxels * smallest_spacing(spacing),
             None => diameter(dims, spacing) / width.min(height) as f64,
         };
         let across = frame.right * pixel;
@@ -123,7 +123,7 @@ impl Sight {
             return Sight { eye, depth, middle: centre + frame.right * x + frame.up * y };
         }
         let depth = match perspective.distance_voxel {
-            Some(voxels) => voxels * smallest(spacing),
+            Some(voxels) => voxels * smallest_spacing(spacing),
             None => {
                 // A sphere of radius r at distance d fills the angle asin(r/d) to either side.
                 let narrowest = (f64::from(image.width_px) / f64::from(image.height_px)).min(1.0);
@@ -152,7 +152,8 @@ fn diameter(dims: [usize; 3], spacing: [f64; 3]) -> f64 {
     DVec3::from_array([0, 1, 2].map(|i| dims[i] as f64 * spacing[i])).length()
 }
 
-fn smallest(spacing: [f64; 3]) -> f64 {
+/// The smallest voxel spacing, the unit of steps, of lengths in pictures and of gradients; `spacing` is along the three axes.
+pub fn smallest_spacing(spacing: [f64; 3]) -> f64 {
     spacing.iter().copied().fold(f64::INFINITY, f64::min)
 }
 

@@ -1,15 +1,28 @@
 //! How the samples along a ray become a pixel.
 
-use std::fmt;
-use std::str::FromStr;
-
 use serde::{Deserialize, Serialize};
+use strum::{Display, EnumString, IntoStaticStr, VariantArray};
 
 use crate::SceneError;
 
 /// How the samples along a ray become a pixel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Hash,
+    Default,
+    Serialize,
+    Deserialize,
+    Display,
+    EnumString,
+    IntoStaticStr,
+    VariantArray,
+)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case", parse_err_ty = SceneError, parse_err_fn = unknown)]
 pub enum Mode {
     /// Front-to-back compositing of shaded, semi-transparent samples.
     #[default]
@@ -28,18 +41,7 @@ pub enum Mode {
 
 impl Mode {
     /// Every mode, in the order of their declaration.
-    pub const ALL: [Mode; 6] =
-        [Mode::Composite, Mode::FirstOpaque, Mode::LastOpaque, Mode::Maximum, Mode::Minimum, Mode::WeightedSum];
-
-    /// Every mode with its name in files and on the command line, in the same order.
-    pub const NAMES: [(Mode, &'static str); 6] = [
-        (Mode::Composite, "composite"),
-        (Mode::FirstOpaque, "first-opaque"),
-        (Mode::LastOpaque, "last-opaque"),
-        (Mode::Maximum, "maximum"),
-        (Mode::Minimum, "minimum"),
-        (Mode::WeightedSum, "weighted-sum"),
-    ];
+    pub const ALL: [Mode; Mode::VARIANTS.len()] = *Mode::VARIANTS.first_chunk().unwrap();
 
     /// The number of the mode in registers and vectors: its place in [`Mode::ALL`].
     pub const fn code(self) -> u32 {
@@ -57,30 +59,14 @@ impl Mode {
     }
 
     /// The name of the mode in files and on the command line.
-    pub const fn name(self) -> &'static str {
-        Mode::NAMES[self as usize].1
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }
 
-impl fmt::Display for Mode {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-impl FromStr for Mode {
-    type Err = SceneError;
-
-    /// The mode called `name`, in kebab case.
-    fn from_str(name: &str) -> Result<Self, SceneError> {
-        Mode::ALL.into_iter().find(|mode| mode.name() == name).ok_or_else(|| {
-            SceneError::at(
-                "mode",
-                format!("there is no mode `{name}`"),
-                format!("give one of {}", Mode::ALL.map(Mode::name).join(", ")),
-            )
-        })
-    }
+fn unknown(name: &str) -> SceneError {
+    let known = Mode::ALL.map(Mode::name).join(", ");
+    SceneError::at("mode", format!("there is no mode `{name}`"), format!("give one of {known}"))
 }
 
 #[cfg(test)]

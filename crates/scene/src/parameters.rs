@@ -5,22 +5,13 @@ use crate::{
     LARGEST_PHANTOM_VOXELS, Layer, Light, Mode, Path, PathKey, Perspective, SCHEMA, Scene, Threshold,
 };
 use cube3_parameter::{
-    Choice, Field, Kind, Legal, Parameter, Unfit, Value, assign, assign_each, each, kind, kind_of_each, legal,
+    Choice, Field, Legal, Parameter, Unfit, Value, ValueKind, assign, assign_each, each, kind, kind_of_each, legal,
     optional, parameter,
 };
 
-impl Choice for Mode {
-    const NAMES: &'static [(Self, &'static str)] = &Mode::NAMES;
-}
-
-impl Choice for FileAxes {
-    const NAMES: &'static [(Self, &'static str)] = &[(FileAxes::Ras, "ras"), (FileAxes::Stored, "stored")];
-}
-
-impl Choice for Interpolation {
-    const NAMES: &'static [(Self, &'static str)] =
-        &[(Interpolation::Linear, "linear"), (Interpolation::Smooth, "smooth")];
-}
+impl Choice for Mode {}
+impl Choice for FileAxes {}
+impl Choice for Interpolation {}
 
 /// The default field of view of a perspective that is set by its parameters, in degrees.
 const FIELD_OF_VIEW: f64 = 40.0;
@@ -121,7 +112,7 @@ macro_rules! of_points {
     ($key:literal, $i:literal, $legal:expr; $about:literal) => {
         Parameter {
             key: $key,
-            kind: Kind::List(&Kind::Real),
+            kind: ValueKind::List(&ValueKind::Real),
             legal: |_| $legal,
             get: |scene| each(&scene.transfer.opacity, |point| &point[$i]),
             set: |scene, value| assign_each(&mut scene.transfer.opacity, |point| &mut point[$i], value),
@@ -135,7 +126,7 @@ macro_rules! of_layers {
     ($key:literal, $i:literal, $legal:expr; $about:literal) => {
         Parameter {
             key: $key,
-            kind: Kind::List(&Kind::List(&Kind::Real)),
+            kind: ValueKind::List(&ValueKind::List(&ValueKind::Real)),
             legal: |_| $legal,
             get: |scene| {
                 let layer = |layer: &Layer| each(&layer.opacity, |point| &point[$i]);
@@ -152,7 +143,11 @@ fn set_layers(layers: &mut [Layer], of: fn(&mut [f64; 2]) -> &mut f64, value: &V
         Value::List(values) if values.len() == layers.len() => {
             layers.iter_mut().zip(values).try_for_each(|(layer, value)| assign_each(&mut layer.opacity, of, value))
         }
-        _ => Err(Unfit { value: value.clone(), kind: Kind::List(&Kind::List(&Kind::Real)), optional: false }),
+        _ => Err(Unfit {
+            value: value.clone(),
+            kind: ValueKind::List(&ValueKind::List(&ValueKind::Real)),
+            optional: false,
+        }),
     }
 }
 

@@ -1,6 +1,7 @@
 //! How the view moves over a sequence of frames.
 
 use serde::{Deserialize, Serialize};
+use strum::{IntoStaticStr, VariantArray};
 
 use crate::check::{self, Checked};
 use crate::{SceneError, View};
@@ -26,8 +27,9 @@ pub struct Path {
 }
 
 /// How angles go from one key to the next.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Interpolation {
     /// Each angle changes evenly between two keys, and its speed jumps at a key.
     #[default]

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use strum::{IntoStaticStr, VariantArray};
 
 use crate::SceneError;
 use crate::check::Checked;
@@ -14,8 +15,9 @@ pub const LARGEST_PHANTOM_VOXELS: usize = 4096;
 const DEFAULT_PHANTOM: (&str, usize) = ("head", 128);
 
 /// How the axes of a volume file become x, y and z of the frame buffer.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "lowercase")]
+#[strum(serialize_all = "lowercase")]
 pub enum FileAxes {
     /// By their directions, where the file says them: x to a patient's right, y to the front, z to the head.
     #[default]

@@ -1,6 +1,6 @@
 //! The table of parameters against the scenes that it is of.
 
-use cube3_parameter::{Kind, Legal, Parameter, Value};
+use cube3_parameter::{Legal, Parameter, Value, ValueKind};
 use cube3_scene::{
     ColourPoint, Crop, Cut, DepthCue, FileAxes, Interpolation, Layer, Light, Path, PathKey, Perspective,
     SCENE_PARAMETERS, Scene, Threshold, View, VolumeSource,
@@ -88,7 +88,7 @@ fn values_are_legal_and_set_as_they_are_got() {
             assert_eq!(same, scene, "{}", row.key);
             let other = match (row.get)(&scene) {
                 Value::Flag(flag) => Value::Flag(!flag),
-                Value::Text(_) if row.kind == Kind::Text => Value::Text("another".into()),
+                Value::Text(_) if row.kind == ValueKind::Text => Value::Text("another".into()),
                 value => value,
             };
             (row.set)(&mut same, &other).unwrap();
@@ -140,7 +140,7 @@ fn a_value_out_of_range_is_refused_with_key_range_and_the_nearest_which_can_be_s
                 (row.set)(&mut other, &nearest).unwrap();
                 assert_eq!((row.get)(&other), nearest, "{}", row.key);
                 row.check(&other).unwrap();
-                if (row.set)(&mut other, &value).is_ok() && !matches!(row.kind, Kind::Choice) {
+                if (row.set)(&mut other, &value).is_ok() && !matches!(row.kind, ValueKind::Choice) {
                     let error = other.validate().unwrap_err();
                     let expected = format!("scene: {}: {}; {}", fault.key, fault.reason(), fault.remedy());
                     assert_eq!(error.to_string(), expected);
@@ -157,7 +157,7 @@ fn a_value_out_of_range_is_refused_with_key_range_and_the_nearest_which_can_be_s
 
 #[test]
 fn names_are_those_of_files() {
-    for row in SCENE_PARAMETERS.iter().filter(|row| row.kind == Kind::Choice) {
+    for row in SCENE_PARAMETERS.iter().filter(|row| row.kind == ValueKind::Choice) {
         let Legal::OneOf(names) = (row.legal)(&Scene::default()) else { panic!("{} has names", row.key) };
         for name in &names {
             let mut scene = scenes()[1].clone();

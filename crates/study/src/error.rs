@@ -30,7 +30,7 @@ pub enum StudyError {
     Picture(#[from] PictureError),
     /// Samples in reals that cannot be had.
     #[error(transparent)]
-    Samples(#[from] cube3_twin::RaycastError),
+    Samples(#[from] cube3_twin::TwinError),
     /// A file's text.
     #[error(transparent)]
     Json(#[from] serde_json::Error),

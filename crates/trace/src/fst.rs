@@ -14,7 +14,7 @@ use crate::{Events, Recording, TraceError};
 use cube3_channel::Activity;
 use cube3_pipeline::Token;
 use cube3_pipeline::UNITS;
-use cube3_waveform::{Body, Header, Radix, Signal, Waveform};
+use cube3_waveform::{Body, Radix, Signal, Waveform, WaveformHeader};
 
 /// Letters of the longest activity's name.
 const NAME_LETTERS: usize = 13;
@@ -52,7 +52,7 @@ struct ChannelSignals {
     popped: TokenSignals,
 }
 
-fn token_variables(header: &mut Header, way: &str, place: &str) -> Result<TokenSignals, TraceError> {
+fn token_variables(header: &mut WaveformHeader, way: &str, place: &str) -> Result<TokenSignals, TraceError> {
     let mut of = |field: &str| header.variable(&format!("{way}_{field}"), TOKEN_BITS as u32, Radix::Unsigned);
     Ok(TokenSignals { signals: [of("frame")?, of("plane")?, of(place)?], last: None })
 }
@@ -132,7 +132,7 @@ impl Writer {
 /// The waveform. Each unit is followed by the channels that it fills.
 pub fn write(recording: &Recording) -> Result<Waveform, TraceError> {
     let clock_hz = recording.clock_hz();
-    let mut header = Header::new(time(clock_hz, 2 * recording.from()), timescale_exponent(clock_hz))?;
+    let mut header = WaveformHeader::new(time(clock_hz, 2 * recording.from()), timescale_exponent(clock_hz))?;
     header.scope("cube3")?;
     let clock = header.flag("clock")?;
     let mut units = Vec::new();

@@ -4,9 +4,9 @@ use crate::lanes::TrilinLanes;
 use crate::unit::Interpolate;
 use cube3_channel::{Archive, ArchiveError, Archived};
 use cube3_dsb::{RayPair, RayVoxels};
-use cube3_frame::{BESIDE, FrameSetup, FrameShape, Geometry, Perspective, SampleBounds, Schedule};
+use cube3_frame::{BESIDE, FrameSetup, FrameShape, Geometry, PerspectivePass, SampleBounds, Schedule};
 use cube3_machine::Reuse;
-use cube3_word::{BLOCK, Block};
+use cube3_word::{BLOCK_LANES, LaneBlock};
 use serde::{Deserialize, Serialize};
 
 /// The samples of a ray slot in order of depth, block by block. From here on each lane works for itself: the sample at depth k is in
@@ -19,7 +19,7 @@ pub struct RaySamples(pub Vec<SampleBlock>);
 #[repr(C, align(64))]
 pub struct SampleBlock {
     /// Sample words; 0 where there is none.
-    pub samples: Block<i32>,
+    pub samples: LaneBlock<i32>,
     /// Which lanes hold a sample of the volume: a bit each, that of the first the lowest.
     pub present: u16,
 }
@@ -35,13 +35,13 @@ impl RaySamples {
             }
             block
         };
-        RaySamples(samples.chunks(BLOCK).map(block).collect())
+        RaySamples(samples.chunks(BLOCK_LANES).map(block).collect())
     }
 
     /// The sample at a depth, where there is one.
     pub fn at(&self, depth: usize) -> Option<i32> {
-        let SampleBlock { samples, present } = &self.0[depth / BLOCK];
-        let lane = depth % BLOCK;
+        let SampleBlock { samples, present } = &self.0[depth / BLOCK_LANES];
+        let lane = depth % BLOCK_LANES;
         (present >> lane & 1 != 0).then_some(samples[lane])
     }
 }
@@ -58,7 +58,7 @@ struct Held {
 
 impl Held {
     fn new(rays: usize, row: usize) -> Held {
-        Held { voxels: vec![0; rays * (row + BLOCK)], edges: vec![0; row] }
+        Held { voxels: vec![0; rays * (row + BLOCK_LANES)], edges: vec![0; row] }
     }
 
     fn copy(&mut self, other: &Held) {
@@ -126,7 +126,7 @@ struct Bounds {
 impl Bounds {
     fn new(geometry: &Geometry, slots: usize) -> Option<Bounds> {
         let bounds = SampleBounds::new(geometry)?;
-        let words = geometry.size[2].div_ceil(BLOCK);
+        let words = geometry.size[2].div_ceil(BLOCK_LANES);
         let mut new = Bounds {
             bounds,
             along_u: vec![0; slots * words],
@@ -178,7 +178,7 @@ impl Interpolator {
         let geometry = &setup.geometry;
         let keeps_planes = matches!(setup.reuse, Reuse::Plane | Reuse::Both);
         let FrameShape { slots, planes, closes: [closes, _], .. } = *schedule.shape();
-        let row = geometry.size[2].div_ceil(BLOCK) * BLOCK;
+        let row = geometry.size[2].div_ceil(BLOCK_LANES) * BLOCK_LANES;
         let rays = if geometry.doubled() { 2 } else { 1 };
         let held = || [Held::new(rays, row), Held::new(rays, row)];
         let empty = || vec![0; row];
@@ -205,7 +205,7 @@ impl Interpolator {
             lerps: 0,
             weights,
             bounds: Bounds::new(geometry, slots),
-            rows: Rows { words: vec![0; row + BLOCK], edges: [empty(), empty()], lerped: [empty(), empty()] },
+            rows: Rows { words: vec![0; row + BLOCK_LANES], edges: [empty(), empty()], lerped: [empty(), empty()] },
         }
     }
 
@@ -241,7 +241,7 @@ impl Interpolator {
     fn cell_side(&mut self, offset: u32, plane: usize) {
         let Interpolator { arithmetic, before, weights, rows, .. } = self;
         let Rows { edges, lerped, .. } = rows;
-        for (edges, voxels) in edges.iter_mut().zip(before[plane].voxels.chunks(self.row + BLOCK)) {
+        for (edges, voxels) in edges.iter_mut().zip(before[plane].voxels.chunks(self.row + BLOCK_LANES)) {
             arithmetic.edges(voxels, offset, edges);
         }
         arithmetic.lerps(&edges[0], &edges[1], &weights[0], &mut lerped[plane]);
@@ -249,7 +249,7 @@ impl Interpolator {
     }
 
     /// Takes the weights of a slot of a perspective frame.
-    fn aim(&mut self, pass: &Perspective, plane: usize, slot: usize, depths: usize) {
+    fn aim(&mut self, pass: &PerspectivePass, plane: usize, slot: usize, depths: usize) {
         for (weights, (fan, i)) in self.weights.iter_mut().zip([(&pass.u, slot), (&pass.v, plane)]) {
             weights[..depths].iter_mut().enumerate().for_each(|(k, weight)| *weight = fan.weight(i, k));
         }
@@ -261,7 +261,7 @@ impl Interpolate for Interpolator {
     type Output = RaySamples;
 
     fn blank(&self) -> RaySamples {
-        RaySamples(vec![SampleBlock::default(); self.row / BLOCK])
+        RaySamples(vec![SampleBlock::default(); self.row / BLOCK_LANES])
     }
 
     fn take(&mut self, setup: &FrameSetup, pair: &mut RayPair<RayVoxels>) {
@@ -290,7 +290,7 @@ impl Interpolate for Interpolator {
                 continue;
             }
             let rays = ray.chunks(words_of_ray);
-            for (ray, voxels) in rays.zip(held.voxels.chunks_mut(self.row + BLOCK)) {
+            for (ray, voxels) in rays.zip(held.voxels.chunks_mut(self.row + BLOCK_LANES)) {
                 words[..depths].copy_from_slice(&ray[..depths]);
                 self.arithmetic.lift_ray(words, voxels);
             }
@@ -326,7 +326,7 @@ impl Interpolate for Interpolator {
         if let Some(pass) = &geometry.perspective {
             self.aim(pass, plane, slot, geometry.size[2]);
         }
-        if output.0.len() != self.row / BLOCK {
+        if output.0.len() != self.row / BLOCK_LANES {
             *output = self.blank();
         }
         Self::inside(&mut self.bounds, geometry, plane, slot, &mut output.0);
@@ -374,7 +374,7 @@ impl Interpolator {
             out.iter_mut().for_each(|out| out.present = 0);
             for k in 0..geometry.size[2] {
                 let there = geometry.has_sample(geometry.ray_in_slot(plane, slot, k), k as i64);
-                out[k / BLOCK].present |= u16::from(there) << (k % BLOCK);
+                out[k / BLOCK_LANES].present |= u16::from(there) << (k % BLOCK_LANES);
             }
         }
     }

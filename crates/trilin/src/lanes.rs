@@ -5,7 +5,7 @@
 //! neighbours in memory. Both give the golden bits.
 
 use crate::SampleBlock;
-use cube3_word::{BLOCK, Block, LerpLanes, Words, vectorised};
+use cube3_word::{BLOCK_LANES, LaneBlock, LerpLanes, Words, vectorised};
 
 /// The interpolator's lanes for a machine's words.
 #[derive(Clone, Copy, Debug)]
@@ -92,11 +92,11 @@ impl TrilinLanes {
     /// A whole ray of voxels in the sample format, by depth. `voxels` has whole blocks, and as many words as `out` at least.
     pub fn lift_ray(&self, voxels: &[u16], out: &mut [i32]) {
         let lift = self.lift;
-        for (voxels, out) in voxels.as_chunks::<BLOCK>().0.iter().zip(out.as_chunks_mut::<BLOCK>().0) {
+        for (voxels, out) in voxels.as_chunks::<BLOCK_LANES>().0.iter().zip(out.as_chunks_mut::<BLOCK_LANES>().0) {
             vectorised(
                 #[inline(always)]
                 || {
-                    for i in 0..BLOCK {
+                    for i in 0..BLOCK_LANES {
                         out[i] = i32::from(voxels[i]) << lift;
                     }
                 },
@@ -107,9 +107,9 @@ impl TrilinLanes {
     /// The edges of the cells along a whole ray: `out[k] = lerp(ray[k], ray[k + 1], offset)`. `out` has whole blocks, and the ray a
     /// word more at least.
     pub fn edges(&self, ray: &[i32], offset: u32, out: &mut [i32]) {
-        let (lerp, weights) = (self.lerp, [offset; BLOCK]);
-        for (place, out) in out.as_chunks_mut::<BLOCK>().0.iter_mut().enumerate() {
-            let from = place * BLOCK;
+        let (lerp, weights) = (self.lerp, [offset; BLOCK_LANES]);
+        for (place, out) in out.as_chunks_mut::<BLOCK_LANES>().0.iter_mut().enumerate() {
+            let from = place * BLOCK_LANES;
             if let (Some(near), Some(far)) = (ray[from..].first_chunk(), ray[from + 1..].first_chunk()) {
                 vectorised(
                     #[inline(always)]
@@ -121,16 +121,16 @@ impl TrilinLanes {
 
     /// [`TrilinLanes::edges`] of voxels as they come: `out` has whole blocks, and the ray a word more at least.
     pub fn edges_of_voxels(&self, ray: &[u16], offset: u32, out: &mut [i32]) {
-        let (lerp, lift, weights) = (self.lerp, self.lift, [offset; BLOCK]);
-        for (place, out) in out.as_chunks_mut::<BLOCK>().0.iter_mut().enumerate() {
-            let from = place * BLOCK;
+        let (lerp, lift, weights) = (self.lerp, self.lift, [offset; BLOCK_LANES]);
+        for (place, out) in out.as_chunks_mut::<BLOCK_LANES>().0.iter_mut().enumerate() {
+            let from = place * BLOCK_LANES;
             if let (Some(near), Some(far)) = (ray[from..].first_chunk(), ray[from + 1..].first_chunk()) {
                 vectorised(
                     #[inline(always)]
                     || {
-                        let lifted = |voxels: &Block<u16>| {
-                            let mut lifted = [0; BLOCK];
-                            for i in 0..BLOCK {
+                        let lifted = |voxels: &LaneBlock<u16>| {
+                            let mut lifted = [0; BLOCK_LANES];
+                            for i in 0..BLOCK_LANES {
                                 lifted[i] = i32::from(voxels[i]) << lift;
                             }
                             lifted
@@ -177,7 +177,7 @@ impl TrilinLanes {
     ) {
         let lerp = self.lerp;
         for (place, out) in out.iter_mut().enumerate() {
-            let from = place * BLOCK;
+            let from = place * BLOCK_LANES;
             let (Some(left), Some(right), Some(along_u), Some(along_v), Some(side)) = (
                 left[from..].first_chunk(),
                 right[from..].first_chunk(),
@@ -201,11 +201,17 @@ impl TrilinLanes {
 
 /// A lerp where a sample is present, and 0 elsewhere.
 #[inline(always)]
-fn present(lerp: LerpLanes, near: &Block<i32>, far: &Block<i32>, weights: &Block<u32>, out: &mut SampleBlock) {
-    let mut all = [0; BLOCK];
+fn present(
+    lerp: LerpLanes,
+    near: &LaneBlock<i32>,
+    far: &LaneBlock<i32>,
+    weights: &LaneBlock<u32>,
+    out: &mut SampleBlock,
+) {
+    let mut all = [0; BLOCK_LANES];
     lerp.block(near, far, weights, &mut all);
     let SampleBlock { samples, present } = out;
-    for i in 0..BLOCK {
+    for i in 0..BLOCK_LANES {
         samples[i] = if *present & (1 << i) == 0 { 0 } else { all[i] };
     }
 }
@@ -259,11 +265,11 @@ mod tests {
             let mask = ((1_u32 << voxel_bits) - 1) as u16;
             let one = f64::from(1_u32 << weight_bits);
             let weight = |i: usize| (weight_seed[i] * one).round() as u32;
-            let room = depth.div_ceil(BLOCK) * BLOCK;
+            let room = depth.div_ceil(BLOCK_LANES) * BLOCK_LANES;
             let ray = |r: usize| {
                 let mut voxels: Vec<u16> = seed[r * depth..(r + 1) * depth].iter().map(|&voxel| voxel & mask).collect();
-                voxels.resize(room + BLOCK, 0);
-                let mut ray = vec![0; room + BLOCK];
+                voxels.resize(room + BLOCK_LANES, 0);
+                let mut ray = vec![0; room + BLOCK_LANES];
                 lanes.lift_ray(&voxels, &mut ray);
                 (voxels, ray)
             };
@@ -291,7 +297,7 @@ mod tests {
             lanes.row_by_weights(&sides[0], &sides[1], &weights_v, &mut by_weights);
             prop_assert_eq!(&by_weights, &samples);
             let block = |present| SampleBlock { present, ..SampleBlock::default() };
-            let mut masked: Vec<SampleBlock> = seed[..room / BLOCK].iter().map(|&bits| block(bits)).collect();
+            let mut masked: Vec<SampleBlock> = seed[..room / BLOCK_LANES].iter().map(|&bits| block(bits)).collect();
             lanes.samples(&sides[0], &sides[1], &weights_v, &mut masked);
             let (mut below, mut same) = (sides[0].clone(), masked.clone());
             let edges = [edges[1][0].as_slice(), &edges[1][1]];
@@ -299,8 +305,8 @@ mod tests {
             prop_assert_eq!(&below, &sides[1]);
             prop_assert_eq!(&same, &masked);
             for k in 0..room {
-                let there = seed[k / BLOCK] >> (k % BLOCK) & 1 != 0;
-                prop_assert_eq!(masked[k / BLOCK].samples[k % BLOCK], if there { samples[k] } else { 0 });
+                let there = seed[k / BLOCK_LANES] >> (k % BLOCK_LANES) & 1 != 0;
+                prop_assert_eq!(masked[k / BLOCK_LANES].samples[k % BLOCK_LANES], if there { samples[k] } else { 0 });
             }
             for k in 0..depth - 1 {
                 let corners = [0, 1].map(|w| [0, 1].map(|v| [0, 1].map(|u: usize| rays[v][u][k + w])));

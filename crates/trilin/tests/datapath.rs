@@ -11,6 +11,8 @@ use cube3_trilin::golden::{Weights, cell, lift};
 use cube3_trilin::{Interpolator, RaySamples, SampleRay, TrilinUnit};
 use cube3_word::{Rounding, Words};
 use proptest::prelude::*;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
 
 fn machine(words: Words, padded: bool, plane_floor: bool, offset: f64, lanes: usize) -> MachineSpec {
     let rays = Rays {
@@ -143,13 +145,13 @@ proptest! {
         direction[(axis + 1) % 3] = slopes[0];
         direction[(axis + 2) % 3] = slopes[1];
         let direction = [0, 1, 2].map(|i| if signs[i] { -direction[i] } else { direction[i] });
-        let mask = ((1_u32 << voxel_bits) - 1) as u16;
-        let voxel = |[x, y, k]: [usize; 3]| {
-            let mixed = (seed ^ (x + 8 * y + 64 * k) as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-            (mixed >> 40) as u16 & mask
-        };
         for reuse in Reuse::ALL {
             let setup = setup(&machine, dims, direction, reuse);
+            let [columns, rows, planes] = setup.geometry.size;
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            let voxels: Vec<u16> =
+                (0..columns * rows * planes).map(|_| (random.next_u32() >> (32 - voxel_bits)) as u16).collect();
+            let voxel = |[x, y, k]: [usize; 3]| voxels[x + columns * (y + rows * k)];
             let lerps = run(&setup, lanes, &voxel, |ray| {
                 let expected = expected(&setup, ray.plane as usize, ray.slot as usize, &voxel);
                 assert_eq!(ray.data, RaySamples::new(&expected), "{reuse:?}, plane {}, slot {}", ray.plane, ray.slot);

@@ -5,14 +5,14 @@
 //! for a whole step instead, as the published machine does.
 
 use crate::check::check_geometry;
-use crate::gradient::Estimator;
+use crate::gradient::RealEstimator;
 use crate::sample_plane::{SampleWindow, Sampler};
 use crate::voxels::Voxels;
-use crate::{BaseRendering, Interpolation, RaycastError, step_length};
+use crate::{BaseRendering, SampleCell, TwinError, step_length};
 use cube3_frame::{DiscreteRay, Geometry};
 use cube3_machine::GradientMethod;
 use cube3_reference::{
-    Drawn, Integrator, ON_FACE, Probe, Progress, Ray, RowCount, StepWeights, check_volume, thickened,
+    Drawn, Integrator, ON_FACE, Progress, Ray, RowCount, SamplePoint, StepWeights, check_volume, thickened,
 };
 use cube3_scene::{Mode, ResolvedLight, Scene, resolve_lights};
 use cube3_volume::{Sample, Volume, with_samples};
@@ -51,8 +51,8 @@ pub fn true_3d(
     geometry: &Geometry,
     options: &DiscreteOptions,
     progress: Option<Progress<'_>>,
-) -> Result<BaseRendering, RaycastError> {
-    discrete(volume, scene, geometry, Interpolation::Exact, options, progress)
+) -> Result<BaseRendering, TwinError> {
+    discrete(volume, scene, geometry, SampleCell::Exact, options, progress)
 }
 
 /// Sheared3D: the machine's rays and samples, each interpolated in its sheared cell.
@@ -65,8 +65,8 @@ pub fn sheared(
     geometry: &Geometry,
     options: &DiscreteOptions,
     progress: Option<Progress<'_>>,
-) -> Result<BaseRendering, RaycastError> {
-    discrete(volume, scene, geometry, Interpolation::Sheared, options, progress)
+) -> Result<BaseRendering, TwinError> {
+    discrete(volume, scene, geometry, SampleCell::Sheared, options, progress)
 }
 
 /// Either of the two. The image size of the scene plays no part: the base plane is the geometry's, which is made for the
@@ -78,20 +78,20 @@ pub fn discrete(
     volume: &Volume,
     scene: &Scene,
     geometry: &Geometry,
-    interpolation: Interpolation,
+    interpolation: SampleCell,
     options: &DiscreteOptions,
     progress: Option<Progress<'_>>,
-) -> Result<BaseRendering, RaycastError> {
+) -> Result<BaseRendering, TwinError> {
     scene.validate()?;
     if scene.view.perspective.is_some() {
-        return Err(RaycastError::Perspective);
+        return Err(TwinError::Perspective);
     }
     check_volume(volume, options.border)?;
     let (volume, scene) = thickened(volume, scene);
     let (volume, scene) = (&*volume, &*scene);
     check_geometry(volume, geometry)?;
     let view = scene.view.frame()?;
-    let estimator = Estimator::new(geometry, volume.spacing, options.gradient);
+    let estimator = RealEstimator::new(geometry, volume.spacing, options.gradient);
     let in_frame = |vector: DVec3| DVec3::from(estimator.basis.components(&geometry.axes, vector));
     let lights: Vec<ResolvedLight> = resolve_lights(scene, &view)
         .into_iter()
@@ -123,7 +123,7 @@ struct Caster<'a> {
     drawn: Drawn,
     /// The mode, where every sample stands for a whole step.
     whole_steps: Option<Mode>,
-    estimator: &'a Estimator,
+    estimator: &'a RealEstimator,
     integrator: Integrator<'a>,
     /// Whether gradients are read.
     neighbours: bool,
@@ -164,12 +164,12 @@ impl Caster<'_> {
                 if let Some(part) = parts[column * depths + k]
                     && !ray.done
                 {
-                    integrator.add(ray, k, window.sample(column, k), part, &self.probe(window, column, k));
+                    integrator.add(ray, k, window.sample(column, k), part, &self.point(window, column, k));
                 }
             }
         }
         for (column, (pixel, ray)) in row.iter_mut().zip(&rays).enumerate() {
-            *pixel = integrator.finish(ray, |k| self.probe(window, column, k));
+            *pixel = integrator.finish(ray, |k| self.point(window, column, k));
         }
     }
 
@@ -223,7 +223,7 @@ impl Caster<'_> {
         }
     }
 
-    fn probe<'b, S: Sample>(
+    fn point<'b, S: Sample>(
         &'b self,
         window: &'b SampleWindow<'b, S>,
         column: usize,
@@ -236,13 +236,13 @@ impl Caster<'_> {
 /// Sample `k` of the ray at pixel `column`.
 struct DiscreteSample<'a, S> {
     geometry: &'a Geometry,
-    estimator: &'a Estimator,
+    estimator: &'a RealEstimator,
     window: &'a SampleWindow<'a, S>,
     column: usize,
     k: usize,
 }
 
-impl<S: Sample> Probe for DiscreteSample<'_, S> {
+impl<S: Sample> SamplePoint for DiscreteSample<'_, S> {
     fn position(&self) -> [f64; 3] {
         let ray = DiscreteRay { u: self.column as i64 - self.geometry.shear_u() as i64, v: self.window.v };
         self.geometry.axes.voxel_position(self.geometry.size, self.geometry.sample_position(ray, self.k))

@@ -4,7 +4,7 @@ use cube3_scene::SceneError;
 
 /// Why a caster on the base plane refused its input; each message has place, reason and what would be right.
 #[derive(Debug, thiserror::Error)]
-pub enum RaycastError {
+pub enum TwinError {
     /// The scene.
     #[error(transparent)]
     Scene(#[from] SceneError),

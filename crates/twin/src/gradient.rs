@@ -1,14 +1,15 @@
 //! The ABC gradient estimators in reals: Pfister et al. 1995, section 4, and design, section 3.
 
 use crate::Basis;
-use crate::step_length::smallest;
 use cube3_frame::Geometry;
 use cube3_machine::GradientMethod;
 use cube3_reference::lerp;
+use cube3_scene::smallest_spacing;
+use glam::DVec3;
 
 /// An estimator for one view.
 #[derive(Clone, Debug)]
-pub(crate) struct Estimator {
+pub(crate) struct RealEstimator {
     method: GradientMethod,
     slopes: [f64; 2],
     /// The frame that components are in.
@@ -18,15 +19,15 @@ pub(crate) struct Estimator {
     factors: [f64; 3],
 }
 
-impl Estimator {
+impl RealEstimator {
     pub fn new(geometry: &Geometry, spacing: [f64; 3], method: GradientMethod) -> Self {
         let basis = Basis::new(geometry, spacing, method);
         let lengths = match method {
-            GradientMethod::Ten => [smallest(basis.lengths); 3],
+            GradientMethod::Ten => [DVec3::from(basis.lengths).min_element(); 3],
             _ => basis.lengths,
         };
-        let factors = lengths.map(|length| 0.5 * smallest(spacing) / length);
-        Estimator { method, slopes: geometry.real_slopes(), basis, factors }
+        let factors = lengths.map(|length| 0.5 * smallest_spacing(spacing) / length);
+        RealEstimator { method, slopes: geometry.real_slopes(), basis, factors }
     }
 
     /// The gradient in the frame's components, from `sample(i, j, l)`, the sample by so many rays along u and v and so

@@ -1,6 +1,6 @@
 //! The samples of one plane of rays, and three of them for gradients: the paper's ABC buffers.
 
-use crate::steps::{Interpolation, Step, steps};
+use crate::steps::{SampleCell, Step, steps};
 use crate::voxels::Voxels;
 use cube3_frame::Geometry;
 use cube3_reference::lerp;
@@ -39,7 +39,7 @@ struct Scratch {
 }
 
 impl<'a, S: Sample> Sampler<'a, S> {
-    pub fn new(geometry: &'a Geometry, voxels: Voxels<'a, S>, interpolation: Interpolation, border: f64) -> Self {
+    pub fn new(geometry: &'a Geometry, voxels: Voxels<'a, S>, interpolation: SampleCell, border: f64) -> Self {
         Sampler { geometry, voxels, steps: steps(geometry, interpolation), border }
     }
 

@@ -1,6 +1,7 @@
 //! How far a ray gets from a sample to the next.
 
 use cube3_frame::Geometry;
+use cube3_scene::smallest_spacing;
 use glam::DVec3;
 
 /// From a sample of a parallel ray to the next, along u, v, w, in the unit of the `spacing` (x, y, z): a voxel along w, and du and dv of one
@@ -15,10 +16,5 @@ pub(crate) fn step(geometry: &Geometry, spacing: [f64; 3]) -> DVec3 {
 ///
 /// The slopes are exactly the geometry's, which are multiples of 2⁻³⁰.
 pub fn step_length(geometry: &Geometry, spacing: [f64; 3]) -> f64 {
-    step(geometry, spacing).length() / smallest(spacing)
-}
-
-/// The smallest voxel spacing, the unit of lengths in pictures and of gradients.
-pub(crate) fn smallest(spacing: [f64; 3]) -> f64 {
-    DVec3::from(spacing).min_element()
+    step(geometry, spacing).length() / smallest_spacing(spacing)
 }

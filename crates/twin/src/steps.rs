@@ -5,7 +5,7 @@ use cube3_machine::TemplateRule;
 
 /// Which eight voxels a sample of a discrete ray is interpolated from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Interpolation {
+pub enum SampleCell {
     /// The exact 8-neighbourhood of the sample's position: True3D.
     Exact,
     /// The sheared cell, four voxels of plane k and four of plane k+1 on the same discrete rays: Sheared3D.
@@ -29,7 +29,7 @@ pub(crate) struct Step {
 ///
 /// Of a label volume a sample is its nearest voxel, in either cell, and all weights are 0. In the sheared cell `w_u = p_u − lerp(X(k), X(k+1), o)` (design, section 3). The last sample has no far plane; it is
 /// given the near one again and, with an offset above 0, is in no ray's valid set.
-pub(crate) fn steps(geometry: &Geometry, interpolation: Interpolation) -> Vec<Step> {
+pub(crate) fn steps(geometry: &Geometry, interpolation: SampleCell) -> Vec<Step> {
     let offset = geometry.real_offset();
     let depth = geometry.size[2];
     let slopes = geometry.real_slopes();
@@ -40,11 +40,11 @@ pub(crate) fn steps(geometry: &Geometry, interpolation: Interpolation) -> Vec<St
             let moved = (k as f64 + offset) * slopes[i];
             match (geometry.rule, interpolation) {
                 (TemplateRule::Nearest, _) => ([(moved + 0.5).floor() as usize; 2], 0.0),
-                (_, Interpolation::Exact) => {
+                (_, SampleCell::Exact) => {
                     let column = moved.floor();
                     ([column as usize; 2], moved - column)
                 }
-                (_, Interpolation::Sheared) => {
+                (_, SampleCell::Sheared) => {
                     let columns = [templates[i].columns[k], templates[i].columns[far]];
                     let left = f64::from(columns[0]) + offset * f64::from(columns[1] - columns[0]);
                     (columns.map(|column| column as usize), moved - left)

@@ -1,10 +1,10 @@
 //! Gradients on a thresholded surface: the experiment of Pfister et al. 1995, section 6.2.
 
 use crate::check::check_geometry;
-use crate::gradient::Estimator;
+use crate::gradient::RealEstimator;
 use crate::sample_plane::Sampler;
 use crate::voxels::Voxels;
-use crate::{DiscreteOptions, Interpolation, RaycastError};
+use crate::{DiscreteOptions, SampleCell, TwinError};
 use cube3_frame::{DiscreteRay, Geometry};
 use cube3_reference::check_volume;
 use cube3_volume::{Volume, with_samples};
@@ -29,13 +29,13 @@ pub struct SurfacePoint {
 pub fn surface_gradients(
     volume: &Volume,
     geometry: &Geometry,
-    interpolation: Interpolation,
+    interpolation: SampleCell,
     threshold: f64,
     options: &DiscreteOptions,
-) -> Result<Vec<SurfacePoint>, RaycastError> {
+) -> Result<Vec<SurfacePoint>, TwinError> {
     check_volume(volume, options.border)?;
     check_geometry(volume, geometry)?;
-    let estimator = Estimator::new(geometry, volume.spacing, options.gradient);
+    let estimator = RealEstimator::new(geometry, volume.spacing, options.gradient);
     let [width, height] = geometry.base_plane_size();
     let (first_u, first_v) = (-(geometry.shear_u() as i64), -(geometry.shear_v() as i64));
     Ok(with_samples!(&volume.samples, v => {

@@ -8,7 +8,7 @@ use cube3_frame::DiscreteRay;
 use cube3_machine::{GradientMethod, TemplateRule};
 use cube3_reference::{ImageOrderOptions, RaycastError as Refused, image_order};
 use cube3_scene::{Mode, Perspective, Scene, Transfer, View};
-use cube3_twin::{DiscreteOptions, Interpolation, RaycastError, discrete, sheared, surface_gradients, true_3d};
+use cube3_twin::{DiscreteOptions, SampleCell, TwinError, discrete, sheared, surface_gradients, true_3d};
 use cube3_volume::{Samples, Volume};
 use glam::DVec3;
 
@@ -25,7 +25,7 @@ fn the_smallest_volumes_are_rendered() {
                         let geometry = geometry_along(&volume, along, rule, offset);
                         for (gradient, _) in GradientMethod::ALL {
                             let options = DiscreteOptions { gradient, border: 0.0, ..DiscreteOptions::default() };
-                            for interpolation in [Interpolation::Exact, Interpolation::Sheared] {
+                            for interpolation in [SampleCell::Exact, SampleCell::Sheared] {
                                 let base = discrete(&volume, &scene, &geometry, interpolation, &options, None).unwrap();
                                 assert_sane(base.pixels.into_iter().flatten());
                             }
@@ -94,7 +94,7 @@ fn spacings_of_one_to_a_thousand_are_rendered() {
         for direction in VIEWS {
             let scene = scene_along(direction);
             let geometry = geometry(&volume, &scene);
-            for interpolation in [Interpolation::Exact, Interpolation::Sheared] {
+            for interpolation in [SampleCell::Exact, SampleCell::Sheared] {
                 for (gradient, name) in GradientMethod::ALL {
                     let options = DiscreteOptions { gradient, border: 0.0, ..DiscreteOptions::default() };
                     let base = discrete(&volume, &scene, &geometry, interpolation, &options, None).unwrap();
@@ -133,8 +133,8 @@ fn what_is_not_a_number_is_refused_with_its_place() {
         let volume =
             Volume::from_fn([4; 3], [1.0; 3], |x, y, z| if [x, y, z] == [1, 2, 3] { bad } else { 0.0 }).unwrap();
         let geometry = geometry_along(&volume, DVec3::Y, TemplateRule::SampleFloor, 0.5);
-        let surface = surface_gradients(&volume, &geometry, Interpolation::Exact, 0.5, &DiscreteOptions::default());
-        assert!(matches!(surface, Err(RaycastError::Input(Refused::NonFinite(at))) if at.position == [1, 2, 3]));
+        let surface = surface_gradients(&volume, &geometry, SampleCell::Exact, 0.5, &DiscreteOptions::default());
+        assert!(matches!(surface, Err(TwinError::Input(Refused::NonFinite(at))) if at.position == [1, 2, 3]));
     }
 }
 
@@ -168,7 +168,7 @@ fn parts_that_do_not_fit_are_refused() {
     let other = noise([4, 5, 7], [1.0; 3], 1);
     let geometry = geometry_along(&other, DVec3::Y, TemplateRule::SampleFloor, 0.5);
     let error = sheared(&volume, &Scene::default(), &geometry, &DiscreteOptions::default(), None).unwrap_err();
-    assert!(matches!(error, RaycastError::Geometry { .. }), "{error}");
+    assert!(matches!(error, TwinError::Geometry { .. }), "{error}");
 }
 
 #[test]
@@ -182,7 +182,7 @@ fn the_casters_on_the_base_plane_say_that_they_are_parallel() {
         sheared(&volume, &seen, &geometry, &options, None).unwrap_err(),
         true_3d(&volume, &seen, &geometry, &options, None).unwrap_err(),
     ] {
-        assert!(matches!(refused, RaycastError::Perspective), "{refused}");
+        assert!(matches!(refused, TwinError::Perspective), "{refused}");
         assert!(refused.to_string().starts_with("view.perspective: "));
     }
 }

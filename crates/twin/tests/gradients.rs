@@ -8,7 +8,7 @@ use cube3_frame::{DiscreteRay, Geometry};
 use cube3_host::Basis;
 use cube3_machine::{GradientMethod, TemplateRule};
 use cube3_scene::View;
-use cube3_twin::{DiscreteOptions, Interpolation, RaySamples, surface_gradients};
+use cube3_twin::{DiscreteOptions, RealSamples, SampleCell, surface_gradients};
 use cube3_volume::{Phantom, PhantomParams, Volume};
 use glam::DVec3;
 
@@ -40,8 +40,8 @@ fn affine_fields_have_their_gradient_but_for_the_shear() {
             let [du, dv] = geometry.real_slopes();
             assert_eq!([du, dv].iter().filter(|x| **x > 0.0).count(), slopes);
             let canonical = geometry.axes.to_canonical(truth);
-            for interpolation in [Interpolation::Exact, Interpolation::Sheared] {
-                let rays = RaySamples::new(&volume, &geometry, interpolation, 0.0).unwrap();
+            for interpolation in [SampleCell::Exact, SampleCell::Sheared] {
+                let rays = RealSamples::new(&volume, &geometry, interpolation, 0.0).unwrap();
                 let (ray, k) = inner(&geometry);
                 for (method, name) in GradientMethod::ALL {
                     let got = rays.gradient(ray, k, method);
@@ -91,7 +91,7 @@ fn affine_fields_have_their_gradient_but_for_the_shear() {
 fn neighbours_beyond_the_border_have_its_value() {
     let volume = affine([3; 3], [1.0; 3], [0.0; 3], 10.0);
     let geometry = geometry_along(&volume, DVec3::Z, TemplateRule::SampleFloor, 0.0);
-    let rays = RaySamples::new(&volume, &geometry, Interpolation::Sheared, 4.0).unwrap();
+    let rays = RealSamples::new(&volume, &geometry, SampleCell::Sheared, 4.0).unwrap();
     let corner = DiscreteRay { u: 0, v: 0 };
     // Half of 10 − 4 along each axis.
     assert_eq!(rays.gradient(corner, 0, GradientMethod::Six), [3.0; 3]);
@@ -104,8 +104,8 @@ fn whole_planes_and_single_rays_have_the_same_samples_to_the_bit() {
     let volume = noise([9, 10, 11], [1.0, 2.0, 1.5], 3);
     for rule in [TemplateRule::SampleFloor, TemplateRule::PlaneFloor] {
         let geometry = geometry_along(&volume, DVec3::new(-0.5, 0.3, 1.0), rule, 0.5);
-        for interpolation in [Interpolation::Exact, Interpolation::Sheared] {
-            let rays = RaySamples::new(&volume, &geometry, interpolation, 1.5).unwrap();
+        for interpolation in [SampleCell::Exact, SampleCell::Sheared] {
+            let rays = RealSamples::new(&volume, &geometry, interpolation, 1.5).unwrap();
             for (gradient, name) in GradientMethod::ALL {
                 let options = DiscreteOptions { gradient, border: 1.5, ..DiscreteOptions::default() };
                 let points = surface_gradients(&volume, &geometry, interpolation, 140.0, &options).unwrap();
@@ -134,7 +134,7 @@ fn mean_angle_deg(ramp: f64, yaw_deg: f64, offset: f64, gradient: GradientMethod
     let direction = View::from_angles(yaw_deg, 0.0).frame().unwrap().direction;
     let geometry = geometry_along(&volume, direction, TemplateRule::SampleFloor, offset);
     let options = DiscreteOptions { gradient, border: 0.0, ..DiscreteOptions::default() };
-    let points = surface_gradients(&volume, &geometry, Interpolation::Sheared, 32767.5, &options).unwrap();
+    let points = surface_gradients(&volume, &geometry, SampleCell::Sheared, 32767.5, &options).unwrap();
     assert!(points.len() > 1900, "about 26²·π rays meet the sphere");
     let angle = |gradient: DVec3, position: DVec3| gradient.angle_between(centre - position).to_degrees();
     points.iter().map(|p| angle(p.gradient, DVec3::from(p.position))).sum::<f64>() / points.len() as f64

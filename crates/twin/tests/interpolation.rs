@@ -7,7 +7,7 @@ use common::{affine, geometry_along, hash, mean_relative_percent, noise, scene_a
 use cube3_frame::{DiscreteRay, Geometry};
 use cube3_machine::TemplateRule;
 use cube3_scene::{Mode, Scene, View};
-use cube3_twin::{DiscreteOptions, Interpolation, RaySamples, sheared, true_3d};
+use cube3_twin::{DiscreteOptions, RealSamples, SampleCell, sheared, true_3d};
 use cube3_volume::Volume;
 use glam::DVec3;
 
@@ -42,8 +42,8 @@ fn affine_fields_come_out_exact() {
     for direction in DIRECTIONS {
         for rule in [TemplateRule::SampleFloor, TemplateRule::PlaneFloor] {
             let geometry = geometry_along(&volume, DVec3::from(direction), rule, 0.5);
-            for interpolation in [Interpolation::Exact, Interpolation::Sheared] {
-                let rays = RaySamples::new(&volume, &geometry, interpolation, 0.0).unwrap();
+            for interpolation in [SampleCell::Exact, SampleCell::Sheared] {
+                let rays = RealSamples::new(&volume, &geometry, interpolation, 0.0).unwrap();
                 let all = samples(&geometry);
                 assert!(all.len() > 100);
                 for (ray, k, position) in all {
@@ -69,8 +69,8 @@ fn on_x_times_z_the_two_differ_by_the_closed_form() {
     ] {
         let geometry = geometry_along(&volume, DVec3::new(slope, 0.1, 1.0), rule, offset);
         assert_eq!((geometry.axes.axis, geometry.axes.reversed), ([0, 1, 2], [false; 3]));
-        let by_shear = RaySamples::new(&volume, &geometry, Interpolation::Sheared, 0.0).unwrap();
-        let exact = RaySamples::new(&volume, &geometry, Interpolation::Exact, 0.0).unwrap();
+        let by_shear = RealSamples::new(&volume, &geometry, SampleCell::Sheared, 0.0).unwrap();
+        let exact = RealSamples::new(&volume, &geometry, SampleCell::Exact, 0.0).unwrap();
         let o = geometry.real_offset();
         let mut moved = 0;
         for (ray, k, _) in samples(&geometry) {
@@ -118,7 +118,7 @@ fn without_tilt_the_two_are_equal_at_0_and_45_degrees_and_apart_between() {
 fn the_border_has_no_samples() {
     let volume = noise([4, 5, 6], [1.0; 3], 1);
     let geometry = geometry_along(&volume, DVec3::new(0.4, 0.2, 1.0), TemplateRule::SampleFloor, 0.5);
-    let rays = RaySamples::new(&volume, &geometry, Interpolation::Sheared, 0.0).unwrap();
+    let rays = RealSamples::new(&volume, &geometry, SampleCell::Sheared, 0.0).unwrap();
     let ray = DiscreteRay { u: 0, v: 0 };
     assert!(rays.sample(ray, 0).is_some());
     for k in [-1, 5, 6, i64::MAX, i64::MIN] {

@@ -6,7 +6,7 @@ use common::turn::{Turn, all_turns};
 use common::{geometry_along, noise, scene_along};
 use cube3_machine::{GradientMethod, TemplateRule};
 use cube3_scene::{Mode, Scene, View};
-use cube3_twin::{DiscreteOptions, Interpolation, discrete, sheared};
+use cube3_twin::{DiscreteOptions, SampleCell, discrete, sheared};
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -25,7 +25,7 @@ fn the_48_symmetries_of_the_cube_hold_to_the_bit() {
             discrete(&volume, &scene, &geometry, interpolation, &options, None).unwrap()
         };
         let same = Turn { axis: [0, 1, 2], reversed: [false; 3] };
-        for interpolation in [Interpolation::Exact, Interpolation::Sheared] {
+        for interpolation in [SampleCell::Exact, SampleCell::Sheared] {
             for (gradient, name) in GradientMethod::ALL {
                 let first = render(&same, interpolation, Mode::Composite, gradient);
                 assert!(first.pixels.iter().filter(|pixel| pixel[3] > 0.5).count() > 40);

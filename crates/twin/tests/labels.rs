@@ -7,7 +7,7 @@ use common::labels::{TOP, direction, labels, scene};
 use cube3_frame::{DiscreteRay, Geometry};
 use cube3_machine::{GradientMethod, TemplateRule};
 use cube3_scene::{ColourPoint, Mode};
-use cube3_twin::{DiscreteOptions, Interpolation, RaySamples, sheared, true_3d};
+use cube3_twin::{DiscreteOptions, RealSamples, SampleCell, sheared, true_3d};
 use cube3_volume::Volume;
 use glam::DVec3;
 use proptest::prelude::*;
@@ -68,7 +68,7 @@ fn many_differences_make_better_normals_of_labels() {
     let inside = |x, y, z| u8::from((DVec3::new(x as f64, y as f64, z as f64) - centre).length() < 10.0);
     let volume = Volume::from_fn([29; 3], [1.0; 3], inside).unwrap();
     let geometry = nearest(&volume, [0.6, 0.45, 1.0]);
-    let samples = RaySamples::new(&volume, &geometry, Interpolation::Exact, 0.0).unwrap();
+    let samples = RealSamples::new(&volume, &geometry, SampleCell::Exact, 0.0).unwrap();
     let [width, height] = geometry.base_plane_size();
     let first = geometry.first_ray();
     let mut surface = Vec::new();

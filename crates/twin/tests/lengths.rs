@@ -8,7 +8,7 @@ use cube3_frame::DiscreteRay;
 use cube3_host::step_length;
 use cube3_machine::TemplateRule;
 use cube3_scene::{Crop, Cut, Mode, Scene, View};
-use cube3_twin::{DiscreteOptions, Interpolation, discrete, sheared, true_3d};
+use cube3_twin::{DiscreteOptions, SampleCell, discrete, sheared, true_3d};
 use glam::DVec3;
 use proptest::prelude::*;
 
@@ -69,8 +69,7 @@ fn an_axis_of_one_voxel_is_one_thick_from_every_side() {
             let expected = 1.0 - 0.5_f64.powf(along.length());
             for offset in [0.0, 0.5] {
                 let geometry = geometry_along(&volume, along, TemplateRule::PlaneFloor, offset);
-                let base =
-                    discrete(&volume, &scene, &geometry, Interpolation::Sheared, &DiscreteOptions::default(), None);
+                let base = discrete(&volume, &scene, &geometry, SampleCell::Sheared, &DiscreteOptions::default(), None);
                 let most = base.unwrap().pixels.iter().map(|pixel| pixel[3]).fold(0.0, f64::max);
                 assert!((most - expected).abs() < 1e-9, "{most}, not {expected} through {dims:?} along {along}");
             }
@@ -84,8 +83,7 @@ fn the_mean_over_all_planes_is_what_is_in_them() {
         let volume = constant([9, n, 9]);
         let scene = Scene { mode: Mode::WeightedSum, ..fog(1.0) };
         let geometry = geometry_along(&volume, DVec3::Y, TemplateRule::PlaneFloor, offset);
-        let base =
-            discrete(&volume, &scene, &geometry, Interpolation::Exact, &DiscreteOptions::default(), None).unwrap();
+        let base = discrete(&volume, &scene, &geometry, SampleCell::Exact, &DiscreteOptions::default(), None).unwrap();
         assert!((base.pixel(4, 4)[0] - 1.0).abs() < 1e-12, "{n} planes at offset {offset}");
     }
 }
@@ -111,7 +109,7 @@ proptest! {
         let drawn = volume.thickened();
         let view = thick.view.frame().unwrap();
         let geometry = geometry_along(&volume, view.direction, TemplateRule::PlaneFloor, offset);
-        let base = discrete(&volume, &scene, &geometry, Interpolation::Exact, &DiscreteOptions::default(), None).unwrap();
+        let base = discrete(&volume, &scene, &geometry, SampleCell::Exact, &DiscreteOptions::default(), None).unwrap();
         for (i, pixel) in base.pixels.iter().enumerate() {
             let first = geometry.first_ray();
             let ray = DiscreteRay { u: first.u + (i % base.width) as i64, v: first.v + (i / base.width) as i64 };

@@ -9,7 +9,7 @@ use cube3_frame::{DiscreteRay, Geometry};
 use cube3_host::{Basis, step_length};
 use cube3_machine::{GradientMethod, TemplateRule};
 use cube3_scene::{DepthCue, Mode, ResolvedLight, Scene, Transfer, View, resolve_lights};
-use cube3_twin::{BaseRendering, DiscreteOptions, Interpolation, RaySamples, discrete};
+use cube3_twin::{BaseRendering, DiscreteOptions, RealSamples, SampleCell, discrete};
 use cube3_volume::Volume;
 use glam::DVec3;
 
@@ -17,10 +17,10 @@ fn base_plane_by_force(
     volume: &Volume,
     scene: &Scene,
     geometry: &Geometry,
-    interpolation: Interpolation,
+    interpolation: SampleCell,
     options: &DiscreteOptions,
 ) -> BaseRendering {
-    let rays = RaySamples::new(volume, geometry, interpolation, options.border).unwrap();
+    let rays = RealSamples::new(volume, geometry, interpolation, options.border).unwrap();
     let basis = Basis::new(geometry, volume.spacing, options.gradient);
     let in_frame = |vector: DVec3| DVec3::from(basis.components(&geometry.axes, vector));
     let lights: Vec<ResolvedLight> = resolve_lights(scene, &scene.view.frame().unwrap())
@@ -73,7 +73,7 @@ fn every_mode_on_the_base_plane_is_its_definition() {
         let volume = noise([6, 5, 7], spacing, 11);
         for scene in scenes() {
             let geometry = geometry(&volume, &scene);
-            for interpolation in [Interpolation::Exact, Interpolation::Sheared] {
+            for interpolation in [SampleCell::Exact, SampleCell::Sheared] {
                 for gradient in [GradientMethod::Twelve, GradientMethod::TenNormalised, GradientMethod::Six] {
                     let options = DiscreteOptions { gradient, border: 3.0, ..DiscreteOptions::default() };
                     let got = discrete(&volume, &scene, &geometry, interpolation, &options, None).unwrap();
@@ -106,7 +106,7 @@ fn the_front_sample_wins_a_tie() {
         };
         let expected = 1.0 - depth / 7.0;
         let geometry = geometry_along(&volume, scene.view.frame().unwrap().direction, TemplateRule::SampleFloor, 0.0);
-        let base = discrete(&volume, &scene, &geometry, Interpolation::Sheared, &DiscreteOptions::default(), None);
+        let base = discrete(&volume, &scene, &geometry, SampleCell::Sheared, &DiscreteOptions::default(), None);
         assert!((base.unwrap().pixels[0][0] - expected).abs() < 1e-15, "{mode} {yaw_deg}");
     }
 }

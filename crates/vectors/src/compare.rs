@@ -1,7 +1,7 @@
 //! The answers of a device under test, and where they are wrong first.
 
 use crate::text::TextLines;
-use crate::{Field, Recorder, Set, Unit, bits_of};
+use crate::{LineField, Set, Unit, WireRecorder, bits_of};
 use std::collections::VecDeque;
 use std::fmt::Write;
 use std::io::{self, BufRead};
@@ -17,13 +17,13 @@ pub struct Answer {
 
 impl Answer {
     /// The answer of a device that gives a field this value.
-    pub fn of(field: &Field, value: i128) -> Answer {
+    pub fn of(field: &LineField, value: i128) -> Answer {
         Answer { text: field.text(value), bits: Some(field.bits_of(value)) }
     }
 
     /// Reads a word of a line. The prefix 0x stands before as many digits as the field has; else its x is an unknown nibble of a word
     /// that is as long as the field.
-    fn read(word: &str, field: &Field, line: usize) -> Result<Answer, ResponsesError> {
+    fn read(word: &str, field: &LineField, line: usize) -> Result<Answer, ResponsesError> {
         let digits = word.strip_prefix("0x").or_else(|| word.strip_prefix("0X"));
         let text = match digits {
             Some(digits) if digits.len() == field.digits() => digits,
@@ -103,7 +103,7 @@ impl From<io::Error> for ResponsesError {
 
 /// Reads what a device answered: a line of output fields for each line of the vectors.
 pub struct AnswerReader<'a, R> {
-    fields: &'a [Field],
+    fields: &'a [LineField],
     lines: TextLines<R>,
 }
 
@@ -166,7 +166,7 @@ pub struct Mismatch {
 /// Compares lines one after another, and keeps those around the first that differs.
 #[derive(Debug)]
 pub struct Comparison<'a> {
-    fields: &'a [Field],
+    fields: &'a [LineField],
     /// Lines to keep before and behind.
     around: usize,
     before: VecDeque<Compared>,
@@ -214,7 +214,7 @@ impl<'a> Comparison<'a> {
     }
 }
 
-fn differs(field: &Field, expected: i128, answer: &Answer) -> bool {
+fn differs(field: &LineField, expected: i128, answer: &Answer) -> bool {
     answer.bits != Some(field.bits_of(expected))
 }
 
@@ -235,14 +235,14 @@ pub fn explain(unit: &dyn Unit, set: &Set, mismatch: &Mismatch) -> String {
         set.sheet.name,
     );
     let mut row = |name: &str, value: i128, bits: u32| {
-        let hex = Field { name: String::new(), port: 0, bits, signed: false, range: [0, 0] }.text(value);
+        let hex = LineField { name: String::new(), port: 0, bits, signed: false, range: [0, 0] }.text(value);
         let _ = writeln!(text, "  {name:<28} 0x{hex:<16} {value}");
     };
     for (field, value) in set.fields[0].iter().zip(inputs) {
         row(&field.name, *value, field.bits);
     }
     if !set.sheet.clocked {
-        let mut recorder = Recorder::default();
+        let mut recorder = WireRecorder::default();
         unit.evaluate(&set.format, &set.tables, inputs, &mut recorder);
         let _ = writeln!(text, "wires of the definition");
         for seen in recorder.seen() {
@@ -251,7 +251,7 @@ pub fn explain(unit: &dyn Unit, set: &Set, mismatch: &Mismatch) -> String {
             };
             let ends = [0, 1].map(|end| set.format.evaluate(wire.range[end]).unwrap_or(seen.value));
             let row_of = if wire.count == "1" { String::new() } else { format!("[{}]", seen.place) };
-            let hex = Field { name: String::new(), port: 0, bits: bits_of(ends), signed: false, range: [0, 0] };
+            let hex = LineField { name: String::new(), port: 0, bits: bits_of(ends), signed: false, range: [0, 0] };
             let name = wire.path() + &row_of;
             let _ = writeln!(text, "  {name:<28} 0x{:<16} {:<14} {}", hex.text(seen.value), seen.value, wire.formula);
         }

@@ -1,7 +1,7 @@
 //! What vectors have covered: each end of each input, each opcode, each case of each rounding and saturation.
 
 use crate::expression::ExpressionError;
-use crate::{Field, Format, Kind, Seen, Sheet};
+use crate::{LineField, Seen, Sheet, UnitFormat, WireKind};
 use std::collections::HashMap;
 
 /// Values of a port or wire up to which each is a case.
@@ -19,38 +19,33 @@ enum Event {
     /// A wire is below, at or above 0.
     Sign { wire: usize, sign: i128 },
     /// What a shift drops of a wire: nothing, less than a half, a half, more; of a value below 0 or not.
-    Dropped { wire: usize, bits: u32, case: Part, negative: bool },
+    Dropped { wire: usize, bits: u32, case: Rest, negative: bool },
     /// What a division by a full word leaves.
-    Remainder { wire: usize, full: i128, case: Part },
+    Remainder { wire: usize, full: i128, case: Rest },
     /// A wire is below a bound, between two, or above.
     Held { wire: usize, bounds: [i128; 2], side: i128 },
 }
 
-/// A part of a unit that rounding drops.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Part {
+/// What rounding drops, beside the unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, strum::Display)]
+enum Rest {
+    #[strum(serialize = "exact")]
     Nothing,
+    #[strum(serialize = "below the tie")]
     Less,
+    #[strum(serialize = "tie")]
     Half,
+    #[strum(serialize = "above the tie")]
     More,
 }
 
-impl Part {
-    fn of(rest: i128, whole: i128) -> Part {
+impl Rest {
+    fn of(rest: i128, whole: i128) -> Rest {
         match (2 * rest).cmp(&whole) {
-            _ if rest == 0 => Part::Nothing,
-            std::cmp::Ordering::Less => Part::Less,
-            std::cmp::Ordering::Equal => Part::Half,
-            std::cmp::Ordering::Greater => Part::More,
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Part::Nothing => "exact",
-            Part::Less => "below the tie",
-            Part::Half => "tie",
-            Part::More => "above the tie",
+            _ if rest == 0 => Rest::Nothing,
+            std::cmp::Ordering::Less => Rest::Less,
+            std::cmp::Ordering::Equal => Rest::Half,
+            std::cmp::Ordering::Greater => Rest::More,
         }
     }
 }
@@ -79,12 +74,12 @@ impl Coverage {
     ///
     /// # Errors
     /// An expression of the sheet without a value.
-    pub fn new(sheet: &Sheet, format: &Format) -> Result<Coverage, ExpressionError> {
+    pub fn new(sheet: &Sheet, format: &UnitFormat) -> Result<Coverage, ExpressionError> {
         let inputs = Sheet::fields(&sheet.inputs, format)?;
         let outputs = Sheet::fields(&sheet.outputs, format)?;
         let mut points = Vec::new();
         let mut point = |name: String, event: Event| points.push(Point { name, hits: 0, event });
-        let first = |fields: &[Field], port: usize| fields.iter().find(|field| field.port == port).map(|f| f.range);
+        let first = |fields: &[LineField], port: usize| fields.iter().find(|field| field.port == port).map(|f| f.range);
         for (port, of) in sheet.inputs.iter().enumerate() {
             let Some([low, high]) = first(&inputs, port) else { continue };
             let values: Vec<i128> = if high - low < FEW { (low..=high).collect() } else { vec![low, high] };
@@ -111,40 +106,40 @@ impl Coverage {
             }
             let source = |name: &str| sheet.wire(of.part, name).map(|wire| (wire, sheet.wires[wire]));
             match of.kind {
-                Kind::Exact => {}
-                Kind::Cases => {
+                WireKind::Exact => {}
+                WireKind::Cases => {
                     for value in low..=high {
                         point(format!("{path} {value}"), Event::Value { wire, value });
                     }
                 }
-                Kind::Rounded { of: name, bits } => {
+                WireKind::Rounded { of: name, bits } => {
                     let Some((wire, from)) = source(name) else { continue };
                     let bits = format.evaluate(bits)? as u32;
                     let signs = if format.evaluate(from.range[0])? < 0 { vec![false, true] } else { vec![false] };
-                    let cases: &[Part] = match bits {
-                        0 => &[Part::Nothing],
-                        1 => &[Part::Nothing, Part::Half],
-                        _ => &[Part::Nothing, Part::Less, Part::Half, Part::More],
+                    let cases: &[Rest] = match bits {
+                        0 => &[Rest::Nothing],
+                        1 => &[Rest::Nothing, Rest::Half],
+                        _ => &[Rest::Nothing, Rest::Less, Rest::Half, Rest::More],
                     };
                     for &case in cases {
                         for &negative in &signs {
                             let sign = if negative { " of a negative value" } else { "" };
                             let event = Event::Dropped { wire, bits, case, negative };
-                            point(format!("{path} {}{sign}", case.name()), event);
+                            point(format!("{path} {case}{sign}"), event);
                         }
                     }
                 }
-                Kind::UnitProduct { of: name, bits } => {
+                WireKind::UnitProduct { of: name, bits } => {
                     let Some((wire, _)) = source(name) else { continue };
                     let full = (1 << format.evaluate(bits)?) - 1;
                     // The full word is odd: no product lies halfway. Of one bit, each is exact.
-                    let cases: &[Part] =
-                        if full == 1 { &[Part::Nothing] } else { &[Part::Nothing, Part::Less, Part::More] };
+                    let cases: &[Rest] =
+                        if full == 1 { &[Rest::Nothing] } else { &[Rest::Nothing, Rest::Less, Rest::More] };
                     for &case in cases {
-                        point(format!("{path} {}", case.name()), Event::Remainder { wire, full, case });
+                        point(format!("{path} {case}"), Event::Remainder { wire, full, case });
                     }
                 }
-                Kind::Held { of: name, low, high } => {
+                WireKind::Held { of: name, low, high } => {
                     let Some((wire, from)) = source(name) else { continue };
                     let bounds = [format.evaluate(low)?, format.evaluate(high)?];
                     let reach = [format.evaluate(from.range[0])?, format.evaluate(from.range[1])?];
@@ -169,7 +164,7 @@ impl Coverage {
             }
         }
         let wires = sheet.wires.iter().enumerate().map(|(i, wire)| ((wire.part, wire.name), i)).collect();
-        let ports = |fields: &[Field]| fields.iter().map(|field| field.port).collect();
+        let ports = |fields: &[LineField]| fields.iter().map(|field| field.port).collect();
         Ok(Coverage { points, ports_in: ports(&inputs), ports_out: ports(&outputs), wires })
     }
 
@@ -194,10 +189,10 @@ impl Coverage {
                 Event::Value { wire, value } => of_wire(wire, &|seen| seen == value),
                 Event::Sign { wire, sign } => of_wire(wire, &|seen| seen.signum() == sign),
                 Event::Dropped { wire, bits, case, negative } => of_wire(wire, &|seen| {
-                    (seen < 0) == negative && Part::of(seen & ((1 << bits) - 1), 1 << bits) == case
+                    (seen < 0) == negative && Rest::of(seen & ((1 << bits) - 1), 1 << bits) == case
                 }),
                 Event::Remainder { wire, full, case } => {
-                    of_wire(wire, &|seen| Part::of(seen.rem_euclid(full), full) == case)
+                    of_wire(wire, &|seen| Rest::of(seen.rem_euclid(full), full) == case)
                 }
                 Event::Held { wire, bounds: [low, high], side } => of_wire(wire, &|seen| {
                     side == if seen < low {

@@ -3,7 +3,7 @@
 //! `$readmemh`, `$fscanf`, a spreadsheet and three lines of any script can read it.
 
 use crate::text::TextLines;
-use crate::{ExpressionError, Field, Format, FormatError, Set, Sheet, Table, Vectors, bits_of};
+use crate::{ExpressionError, LineField, Set, Sheet, Table, UnitFormat, UnitFormatError, Vectors, bits_of};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 use std::io::{self, BufRead};
@@ -11,7 +11,7 @@ use std::io::{self, BufRead};
 /// First line of every file: name and version of the form.
 const MAGIC: &str = "cube3 vectors 1";
 
-fn ports(fields: &[Field]) -> String {
+fn ports(fields: &[LineField]) -> String {
     let mut text = String::new();
     for (i, field) in fields.iter().enumerate() {
         if i > 0 && fields[i - 1].port == field.port {
@@ -32,7 +32,7 @@ pub(crate) fn unit_line(sheet: &Sheet) -> String {
 }
 
 /// The header's line of the settings that the unit has.
-pub(crate) fn format_line(sheet: &Sheet, format: &Format) -> String {
+pub(crate) fn format_line(sheet: &Sheet, format: &UnitFormat) -> String {
     let settings = format.settings().into_iter().filter(|(name, _)| sheet.parameters.contains(name));
     let settings: String = settings.map(|(name, value)| format!(" {name}={value}")).collect();
     format!("// format{settings}")
@@ -66,7 +66,7 @@ impl Set {
     /// Those of `take`.
     pub fn table_lines<E>(&self, table: usize, mut take: impl FnMut(&str) -> Result<(), E>) -> Result<(), E> {
         let bits = self.format.evaluate(self.sheet.tables[table].bits).unwrap_or(1) as u32;
-        let field = Field { name: String::new(), port: 0, bits, signed: false, range: [0, 0] };
+        let field = LineField { name: String::new(), port: 0, bits, signed: false, range: [0, 0] };
         let mut text = String::new();
         self.tables[table].iter().try_for_each(|&entry| {
             text.clear();
@@ -173,11 +173,11 @@ impl Vectors {
 
 /// What a vector file says of its lines.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Header {
+pub struct VectorHeader {
     /// The unit.
     pub unit: String,
     /// The format, where the file says nothing the default.
-    pub format: Format,
+    pub format: UnitFormat,
     /// The seed.
     pub seed: u64,
     /// The digest of lines and tables.
@@ -200,7 +200,7 @@ pub enum FileError {
     },
     /// The format.
     #[error(transparent)]
-    Format(#[from] FormatError),
+    Format(#[from] UnitFormatError),
     /// The sheet.
     #[error(transparent)]
     Expression(#[from] ExpressionError),
@@ -265,7 +265,7 @@ impl From<io::Error> for FileError {
     }
 }
 
-impl Header {
+impl VectorHeader {
     /// Takes a comment of the header in: line of the text, its text, and what stands behind the slashes.
     fn take(&mut self, line: usize, text: &str, comment: &str) -> Result<(), FileError> {
         let wrong = || FileError::Header { line, text: text.to_owned() };
@@ -327,7 +327,7 @@ impl Header {
 
 /// Reads the inputs of a vector file line by line; what the unit answers is evaluated anew.
 pub struct VectorReader<R> {
-    header: Header,
+    header: VectorHeader,
     lines: TextLines<R>,
     /// The first line of words, where the header ended there.
     pending: Option<(usize, String)>,
@@ -347,7 +347,7 @@ impl<R: BufRead> VectorReader<R> {
         if lines.next()?.map(|(_, text)| text.trim()) != Some(&format!("// {MAGIC}")) {
             return Err(FileError::Magic);
         }
-        let mut header = Header { unit: String::new(), format: Format::default(), seed: 0, digest: None };
+        let mut header = VectorHeader { unit: String::new(), format: UnitFormat::default(), seed: 0, digest: None };
         let mut pending = None;
         while let Some((line, text)) = lines.next()? {
             if let Some(comment) = text.trim().strip_prefix("//") {
@@ -361,7 +361,7 @@ impl<R: BufRead> VectorReader<R> {
     }
 
     /// What the file says of its lines.
-    pub fn header(&self) -> &Header {
+    pub fn header(&self) -> &VectorHeader {
         &self.header
     }
 

@@ -7,7 +7,7 @@ use cube3_word::{Rounding, WordError, Words};
 
 /// Word lengths, and the sizes that a unit is built for. A name in an expression of a data sheet is one of these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Format {
+pub struct UnitFormat {
     /// Word lengths and rounding.
     pub words: Words,
     /// Bits that the gradient keeps below its word, where its components are scaled.
@@ -38,16 +38,16 @@ pub struct Format {
     pub latency: u32,
 }
 
-impl Default for Format {
+impl Default for UnitFormat {
     /// The default machine's words, with eight lanes so that vectors of whole beams stay short.
-    fn default() -> Format {
-        Format::of(&MachineSpec::default())
+    fn default() -> UnitFormat {
+        UnitFormat::of(&MachineSpec::default())
     }
 }
 
 /// Why a format cannot be had.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum FormatError {
+pub enum UnitFormatError {
     /// Not two numbers.
     #[error("the format \"{0}\" is not of the form 16.8: bits of a voxel, a point, bits of a weight")]
     Form(String),
@@ -68,10 +68,10 @@ pub enum FormatError {
     },
 }
 
-impl Format {
+impl UnitFormat {
     /// The formats of a machine; of its lanes, eight.
-    pub fn of(machine: &MachineSpec) -> Format {
-        Format {
+    pub fn of(machine: &MachineSpec) -> UnitFormat {
+        UnitFormat {
             words: machine.words,
             kept_bits: 0,
             root_bits: machine.abc.root_bits,
@@ -90,9 +90,9 @@ impl Format {
     }
 
     /// The default words with small tables: for sets of vectors that are kept.
-    pub fn reference() -> Format {
+    pub fn reference() -> UnitFormat {
         let words = Words { table_bits: 6, ..Words::default() };
-        Format { words, root_bits: 4, power_bits: 5, reflectance_bits: 2, ..Format::default() }
+        UnitFormat { words, root_bits: 4, power_bits: 5, reflectance_bits: 2, ..UnitFormat::default() }
     }
 
     /// With voxels and weights of other lengths, from a text like `16.8`. Words that are bound to the voxel's follow it: a gradient
@@ -100,8 +100,8 @@ impl Format {
     ///
     /// # Errors
     /// A text of another form, a length that no unit has.
-    pub fn with_lengths(mut self, text: &str) -> Result<Format, FormatError> {
-        let form = || FormatError::Form(text.to_owned());
+    pub fn with_lengths(mut self, text: &str) -> Result<UnitFormat, UnitFormatError> {
+        let form = || UnitFormatError::Form(text.to_owned());
         let (voxel, weight) = text.split_once('.').ok_or_else(form)?;
         self.words.voxel_bits = voxel.parse().map_err(|_| form())?;
         self.words.weight_bits = weight.parse().map_err(|_| form())?;
@@ -115,7 +115,7 @@ impl Format {
     /// Shortens words that others bind and that were not set by name: a gradient holds a whole difference at most, tables have no more
     /// index bits than what they are indexed with.
     pub fn fit(&mut self, set: &[&str]) {
-        let Format { words, root_bits, power_bits, .. } = self;
+        let UnitFormat { words, root_bits, power_bits, .. } = self;
         let sample = words.voxel_bits.saturating_add(words.sample_fraction_bits);
         let normal = words.normal_bits;
         for (name, bits, most) in [
@@ -134,7 +134,7 @@ impl Format {
     ///
     /// # Errors
     /// The first length or size that no unit has.
-    pub fn check(&self) -> Result<(), FormatError> {
+    pub fn check(&self) -> Result<(), UnitFormatError> {
         self.words.check()?;
         let index = self.words.normal_bits;
         let sizes = [
@@ -153,7 +153,7 @@ impl Format {
             ("latency", self.latency, 1, 255),
         ];
         let size = |&(name, value, low, high): &(&'static str, u32, u32, u32)| {
-            if (low..=high).contains(&value) { Ok(()) } else { Err(FormatError::Size { name, value, low, high }) }
+            if (low..=high).contains(&value) { Ok(()) } else { Err(UnitFormatError::Size { name, value, low, high }) }
         };
         sizes.iter().try_for_each(size)
     }
@@ -240,9 +240,9 @@ impl Format {
         evaluate(expression, &|name| self.value_of(name))
     }
 
-    /// Sets what [`Format::settings`] names; whether there is such a name and the value fits it.
+    /// Sets what [`UnitFormat::settings`] names; whether there is such a name and the value fits it.
     pub fn set(&mut self, name: &str, value: i64) -> bool {
-        let Format { words, .. } = self;
+        let UnitFormat { words, .. } = self;
         if let "skew_a" | "skew_b" | "skew_c" = name {
             self.skew[usize::from(name.as_bytes()[5] - b'a')] = value;
             return true;
@@ -330,8 +330,8 @@ mod tests {
 
     #[test]
     fn every_setting_can_be_set() {
-        let mut format = Format::default();
-        for (i, (name, _)) in Format::default().settings().into_iter().enumerate() {
+        let mut format = UnitFormat::default();
+        for (i, (name, _)) in UnitFormat::default().settings().into_iter().enumerate() {
             let value = if matches!(name, "nearest" | "blocks") { 0 } else { i as i64 + 3 };
             assert!(format.set(name, value), "{name}");
             assert!(format.settings().contains(&(name, value)), "{name}");
@@ -344,11 +344,11 @@ mod tests {
 
     #[test]
     fn a_format_of_two_lengths_sets_what_hangs_on_them() {
-        let format = Format::default().with_lengths("8.4").unwrap();
+        let format = UnitFormat::default().with_lengths("8.4").unwrap();
         assert_eq!((format.words.voxel_bits, format.words.weight_bits), (8, 4));
         assert_eq!((format.words.gradient_bits, format.words.table_bits), (9, 8));
-        assert!(matches!(Format::default().with_lengths("16"), Err(FormatError::Form(_))));
-        assert!(matches!(Format::default().with_lengths("17.8"), Err(FormatError::Word(_))));
-        assert!(Format::default().with_lengths("4294967295.8").is_err());
+        assert!(matches!(UnitFormat::default().with_lengths("16"), Err(UnitFormatError::Form(_))));
+        assert!(matches!(UnitFormat::default().with_lengths("17.8"), Err(UnitFormatError::Word(_))));
+        assert!(UnitFormat::default().with_lengths("4294967295.8").is_err());
     }
 }

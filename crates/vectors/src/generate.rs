@@ -2,7 +2,7 @@
 
 use crate::coverage::Coverage;
 use crate::expression::ExpressionError;
-use crate::{Field, Format, Recorder, Set, Unit};
+use crate::{LineField, Set, Unit, UnitFormat, WireRecorder};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use std::collections::HashSet;
@@ -23,7 +23,7 @@ pub struct Lines<'a> {
     /// Hashes of the directed lines. Ends and corners may meet, and each is there once; lines of a clocked unit are a story and stay.
     seen: HashSet<u64>,
     coverage: Coverage,
-    recorder: Recorder,
+    recorder: WireRecorder,
     /// Lines that may still be drawn for what is not covered; none once all is.
     tries: usize,
 }
@@ -41,7 +41,7 @@ impl<'a> Lines<'a> {
             corners: None,
             seen: HashSet::new(),
             coverage: Coverage::new(&set.sheet, &set.format)?,
-            recorder: Recorder::default(),
+            recorder: WireRecorder::default(),
             tries: if set.sheet.clocked { 0 } else { TRIES },
         })
     }
@@ -118,7 +118,7 @@ enum Step {
 
 /// The corners that ports alone give: all at an end; each port, and each element, at an end while others are not; elements
 /// alternating.
-fn steps(fields: &[Field]) -> Vec<Step> {
+fn steps(fields: &[LineField]) -> Vec<Step> {
     let mut steps = vec![Step::Zero, Step::End(0), Step::End(1), Step::Alternating(0), Step::Alternating(1)];
     for of_port in fields.chunk_by(|one, next| one.port == next.port) {
         let (port, [low, high]) = (of_port[0].port, of_port[0].range);
@@ -149,11 +149,11 @@ struct Random<'a> {
     /// Range of the first element of each port; none of a port without elements.
     ports: Vec<Option<[i128; 2]>>,
     unit: &'a dyn Unit,
-    format: &'a Format,
+    format: &'a UnitFormat,
 }
 
 impl<'a> Random<'a> {
-    fn new(unit: &'a dyn Unit, format: &'a Format, fields: &[Field], seed: u64) -> Random<'a> {
+    fn new(unit: &'a dyn Unit, format: &'a UnitFormat, fields: &[LineField], seed: u64) -> Random<'a> {
         let slots: Vec<Slot> = fields.iter().map(|field| Slot { port: field.port, range: field.range }).collect();
         let mut ports = vec![None; slots.last().map_or(0, |slot| slot.port + 1)];
         for slot in &slots {

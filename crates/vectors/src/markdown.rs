@@ -1,7 +1,7 @@
 //! Sheets as sections of the book.
 
 use crate::expression::ExpressionError;
-use crate::{Format, Port, Sheet, bits_of};
+use crate::{Port, Sheet, UnitFormat, bits_of};
 use std::fmt::Write;
 
 /// An expression as it is printed.
@@ -10,7 +10,7 @@ fn shown(expression: &str) -> String {
 }
 
 /// An expression with its value, where that is not the same text.
-fn with_value(expression: &str, format: &Format) -> Result<String, ExpressionError> {
+fn with_value(expression: &str, format: &UnitFormat) -> Result<String, ExpressionError> {
     let value = format.evaluate(expression)?;
     let number = value.to_string();
     if number == expression {
@@ -20,7 +20,7 @@ fn with_value(expression: &str, format: &Format) -> Result<String, ExpressionErr
     }
 }
 
-fn ports(text: &mut String, direction: &str, ports: &[Port], format: &Format) -> Result<(), ExpressionError> {
+fn ports(text: &mut String, direction: &str, ports: &[Port], format: &UnitFormat) -> Result<(), ExpressionError> {
     for port in ports {
         let count = if port.count == "1" { String::new() } else { format!("[{}]", shown(port.count)) };
         let sign = if port.signed { "signed" } else { "unsigned" };
@@ -37,7 +37,7 @@ fn ports(text: &mut String, direction: &str, ports: &[Port], format: &Format) ->
 }
 
 /// The parameters of the RTL module with their values.
-fn parameters(sheet: &Sheet, format: &Format) -> String {
+fn parameters(sheet: &Sheet, format: &UnitFormat) -> String {
     let (_, further) = sheet.rtl();
     let set = format.settings().into_iter().filter(|(name, _)| sheet.parameters.contains(name));
     let mut all: Vec<String> = set.map(|(name, value)| format!("`{}` = {value}", name.to_uppercase())).collect();
@@ -52,7 +52,7 @@ fn parameters(sheet: &Sheet, format: &Format) -> String {
 }
 
 /// A sheet with the numbers of a format.
-pub fn section(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
+pub fn section(sheet: &Sheet, format: &UnitFormat) -> Result<String, ExpressionError> {
     let mut text = String::new();
     let (module, _) = sheet.rtl();
     let _ = writeln!(text, "## {}\n\n{}\n", sheet.title, sheet.purpose);

@@ -8,8 +8,8 @@
 //! ```
 
 use crate::compare::{Compared, Mismatch};
-use crate::{Field, Recorder, Set, Unit, bits_of};
-use cube3_waveform::{Header, Radix, Signal, Waveform, WaveformError};
+use crate::{LineField, Set, Unit, WireRecorder, bits_of};
+use cube3_waveform::{Radix, Signal, Waveform, WaveformError, WaveformHeader};
 
 /// Time units of a line.
 const LINE: u64 = 10;
@@ -26,7 +26,7 @@ fn radix(signed: bool) -> Radix {
     if signed { Radix::Signed } else { Radix::Hexadecimal }
 }
 
-fn variables(header: &mut Header, name: &str, fields: &[Field]) -> Result<Vec<Signal>, WaveformError> {
+fn variables(header: &mut WaveformHeader, name: &str, fields: &[LineField]) -> Result<Vec<Signal>, WaveformError> {
     header.scope(name)?;
     let signals = fields.iter().map(|field| header.variable(&field.name, field.bits, radix(field.signed))).collect();
     header.up_scope()?;
@@ -39,7 +39,7 @@ fn variables(header: &mut Header, name: &str, fields: &[Field]) -> Result<Vec<Si
 /// What the writer of the format says.
 pub fn around_mismatch(unit: &dyn Unit, set: &Set, mismatch: &Mismatch) -> Result<Waveform, WaveformError> {
     let sheet = &set.sheet;
-    let mut header = Header::new(mismatch.from as u64 * LINE, -9)?;
+    let mut header = WaveformHeader::new(mismatch.from as u64 * LINE, -9)?;
     header.scope(sheet.name)?;
     let number = header.variable("line", 32, Radix::Unsigned)?;
     let differs = header.flag("differs")?;
@@ -62,7 +62,7 @@ pub fn around_mismatch(unit: &dyn Unit, set: &Set, mismatch: &Mismatch) -> Resul
     let got = variables(&mut header, "got", &set.fields[1])?;
     header.up_scope()?;
     let mut body = header.finish()?;
-    let mut recorder = Recorder::default();
+    let mut recorder = WireRecorder::default();
     for (line, Compared { inputs: values, outputs, answers }) in (mismatch.from..).zip(&mismatch.around) {
         body.time(line as u64 * LINE)?;
         body.change(number, &digits(line as u128, 32))?;

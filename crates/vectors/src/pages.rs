@@ -1,7 +1,7 @@
 //! The data sheets as pages of the book: a page for each unit of the machine, made from sheets and from the units' own specs.
 
 use crate::expression::ExpressionError;
-use crate::{Format, Unit, units};
+use crate::{Unit, UnitFormat, units};
 use cube3_abc::AbcSpec;
 use cube3_cfb::CfbSpec;
 use cube3_cone::ConeSpec;
@@ -140,7 +140,7 @@ type Timing = (&'static str, &'static str, u64);
 struct Example {
     machine: MachineSpec,
     setup: FrameSetup,
-    format: Format,
+    format: UnitFormat,
 }
 
 /// Why pages cannot be made.
@@ -160,7 +160,7 @@ impl Example {
         let scene = Scene { view: View::from_direction([0.5, 0.25, 1.0], None), ..Scene::default() };
         let volume = VolumeInfo { dims: [machine.lanes; 3], spacing: [1.0; 3], window: [0.0, 1.0] };
         let setup = frame_setup(&scene, &machine, &volume, true)?.setup;
-        Ok(Example { format: Format::of(&machine), machine, setup })
+        Ok(Example { format: UnitFormat::of(&machine), machine, setup })
     }
 
     fn geometry(&self) -> &Geometry {

@@ -5,7 +5,7 @@
 //! in its distance from another, so extremes lie at ends.
 
 use crate::expression::ExpressionError;
-use crate::{Field, Format, Lines, Recorder, Set, Unit, bits_of};
+use crate::{LineField, Lines, Set, Unit, UnitFormat, WireRecorder, bits_of};
 
 /// Most lines of an exhaustive search.
 pub const MOST_LINES: u128 = 1 << 21;
@@ -53,9 +53,9 @@ type Extreme = (i128, Vec<i128>);
 
 struct Search<'a> {
     unit: &'a dyn Unit,
-    format: &'a Format,
+    format: &'a UnitFormat,
     set: &'a Set,
-    recorder: Recorder,
+    recorder: WireRecorder,
     /// For each wire and end.
     best: Vec<[Option<Extreme>; 2]>,
     lines: u64,
@@ -90,7 +90,7 @@ impl Search<'_> {
         moved
     }
 
-    fn climb(&mut self, fields: &[Field], wire: usize, end: usize) {
+    fn climb(&mut self, fields: &[LineField], wire: usize, end: usize) {
         loop {
             let Some((_, line)) = self.best[wire][end].clone() else { return };
             let mut helped = false;
@@ -115,14 +115,14 @@ impl Search<'_> {
 ///
 /// # Errors
 /// An expression of the sheet without a value.
-pub fn search(unit: &dyn Unit, format: &Format, lines: usize, seed: u64) -> Result<Ranges, ExpressionError> {
+pub fn search(unit: &dyn Unit, format: &UnitFormat, lines: usize, seed: u64) -> Result<Ranges, ExpressionError> {
     let set = Set::new(unit, *format, seed)?;
     let (sheet, fields) = (&set.sheet, &set.fields[0]);
     let mut search = Search {
         unit,
         format,
         set: &set,
-        recorder: Recorder::default(),
+        recorder: WireRecorder::default(),
         best: vec![[None, None]; sheet.wires.len()],
         lines: 0,
     };

@@ -1,7 +1,7 @@
 //! Sets of vectors: what their lines have in common, what the definition says to a line, and small sets held in memory.
 
 use crate::expression::ExpressionError;
-use crate::{Coverage, Field, Format, Lines, Recorder, Seen, Sheet, Tables, Unit};
+use crate::{Coverage, LineField, Lines, Seen, Sheet, Tables, Unit, UnitFormat, WireRecorder};
 
 /// What the lines of a set have in common.
 #[derive(Clone, Debug)]
@@ -9,13 +9,13 @@ pub struct Set {
     /// The sheet.
     pub sheet: Sheet,
     /// The format.
-    pub format: Format,
+    pub format: UnitFormat,
     /// The seed of all that is random.
     pub seed: u64,
     /// Contents of the tables.
     pub tables: Tables,
     /// Fields of the inputs, and of the outputs.
-    pub fields: [Vec<Field>; 2],
+    pub fields: [Vec<LineField>; 2],
 }
 
 impl Set {
@@ -23,7 +23,7 @@ impl Set {
     ///
     /// # Errors
     /// An expression of the sheet without a value.
-    pub fn new(unit: &dyn Unit, format: Format, seed: u64) -> Result<Set, ExpressionError> {
+    pub fn new(unit: &dyn Unit, format: UnitFormat, seed: u64) -> Result<Set, ExpressionError> {
         Set::with_tables(unit, format, seed, unit.tables(&format))
     }
 
@@ -31,7 +31,7 @@ impl Set {
     ///
     /// # Errors
     /// An expression of the sheet without a value.
-    pub fn with_tables(unit: &dyn Unit, format: Format, seed: u64, tables: Tables) -> Result<Set, ExpressionError> {
+    pub fn with_tables(unit: &dyn Unit, format: UnitFormat, seed: u64, tables: Tables) -> Result<Set, ExpressionError> {
         let sheet = unit.sheet();
         let fields = [Sheet::fields(&sheet.inputs, &format)?, Sheet::fields(&sheet.outputs, &format)?];
         Ok(Set { sheet, format, seed, tables, fields })
@@ -47,17 +47,17 @@ impl Set {
 pub type Device<'a> = Box<dyn FnMut(&[i128]) -> Vec<i128> + 'a>;
 
 /// The definition of a unit, line after line from reset on.
-pub struct Definition<'a> {
+pub struct UnitDefinition<'a> {
     unit: &'a dyn Unit,
     set: &'a Set,
     device: Option<Device<'a>>,
-    recorder: Recorder,
+    recorder: WireRecorder,
 }
 
-impl<'a> Definition<'a> {
+impl<'a> UnitDefinition<'a> {
     /// After reset.
-    pub fn new(unit: &'a dyn Unit, set: &'a Set) -> Definition<'a> {
-        Definition { unit, set, device: unit.start(&set.format), recorder: Recorder::default() }
+    pub fn new(unit: &'a dyn Unit, set: &'a Set) -> UnitDefinition<'a> {
+        UnitDefinition { unit, set, device: unit.start(&set.format), recorder: WireRecorder::default() }
     }
 
     /// The output fields of the next line.
@@ -89,7 +89,7 @@ pub struct Vectors {
 impl Vectors {
     /// Lines with these inputs.
     pub fn of(unit: &dyn Unit, set: Set, inputs: Vec<Vec<i128>>) -> Vectors {
-        let mut definition = Definition::new(unit, &set);
+        let mut definition = UnitDefinition::new(unit, &set);
         let outputs = inputs.iter().map(|line| definition.answer(line)).collect();
         drop(definition);
         Vectors { set, inputs, outputs }
@@ -99,7 +99,7 @@ impl Vectors {
     ///
     /// # Errors
     /// An expression of the sheet without a value.
-    pub fn generate(unit: &dyn Unit, format: Format, count: usize, seed: u64) -> Result<Vectors, ExpressionError> {
+    pub fn generate(unit: &dyn Unit, format: UnitFormat, count: usize, seed: u64) -> Result<Vectors, ExpressionError> {
         let set = Set::new(unit, format, seed)?;
         let inputs = Lines::new(unit, &set)?.take(count).collect();
         Ok(Vectors::of(unit, set, inputs))
@@ -109,7 +109,7 @@ impl Vectors {
     ///
     /// # Errors
     /// An expression of the sheet without a value.
-    pub fn directed(unit: &dyn Unit, format: Format, seed: u64) -> Result<Vectors, ExpressionError> {
+    pub fn directed(unit: &dyn Unit, format: UnitFormat, seed: u64) -> Result<Vectors, ExpressionError> {
         let set = Set::new(unit, format, seed)?;
         let mut lines = Lines::new(unit, &set)?;
         let inputs = std::iter::from_fn(|| lines.directed()).collect();
@@ -123,7 +123,7 @@ impl Vectors {
     /// An expression of the sheet without a value.
     pub fn coverage(&self, unit: &dyn Unit) -> Result<Coverage, ExpressionError> {
         let mut coverage = Coverage::new(&self.set.sheet, &self.set.format)?;
-        let mut definition = Definition::new(unit, &self.set);
+        let mut definition = UnitDefinition::new(unit, &self.set);
         for inputs in &self.inputs {
             let outputs = definition.answer(inputs);
             coverage.see(inputs, definition.seen(), &outputs);

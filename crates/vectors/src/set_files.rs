@@ -1,6 +1,6 @@
 //! Vector files, written as their lines are made: the memory that they take does not grow with the count.
 
-use crate::{Coverage, Definition, LineWriter, Set, Unit, Written};
+use crate::{Coverage, LineWriter, Set, Unit, UnitDefinition, Written};
 use cube3_file::WholeFile;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -52,7 +52,7 @@ impl SetFiles {
         }
         // The header has the count and the digest of the lines, so that they come first.
         let mut writer = LineWriter::new(set, WholeFile::new(&path).map_err(WriteError::at(&path))?);
-        let mut definition = Definition::new(unit, set);
+        let mut definition = UnitDefinition::new(unit, set);
         lines(&mut |inputs| {
             let outputs = definition.answer(&inputs);
             if let Some(coverage) = &mut coverage {

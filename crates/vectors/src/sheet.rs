@@ -3,7 +3,7 @@
 //! Vectors, proofs of range, coverage, test benches and the pages of the book are all made from it.
 
 use crate::expression::ExpressionError;
-use crate::{Format, markdown};
+use crate::{UnitFormat, markdown};
 
 /// A port, or a row of ports of one name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +46,7 @@ impl Port {
 
 /// What makes a wire's value, where coverage asks for each of its cases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum WireKind {
     /// Every bit of the result is there.
     Exact,
     /// A wire of the same part without its lowest bits (an expression), rounded.
@@ -92,13 +92,13 @@ pub struct Wire {
     /// Whether both ends are reached in every format, as a search shows.
     pub tight: bool,
     /// What makes it.
-    pub kind: Kind,
+    pub kind: WireKind,
 }
 
 impl Wire {
     /// A wire of the unit itself whose range is reached.
     pub const fn new(name: &'static str, formula: &'static str, low: &'static str, high: &'static str) -> Wire {
-        Wire { part: "", name, count: "1", formula, range: [low, high], tight: true, kind: Kind::Exact }
+        Wire { part: "", name, count: "1", formula, range: [low, high], tight: true, kind: WireKind::Exact }
     }
 
     /// A wire of a part.
@@ -112,7 +112,7 @@ impl Wire {
     }
 
     /// Made by what coverage looks at.
-    pub const fn made_by(self, kind: Kind) -> Wire {
+    pub const fn made_by(self, kind: WireKind) -> Wire {
         Wire { kind, ..self }
     }
 
@@ -151,7 +151,7 @@ pub struct Sheet {
     pub purpose: &'static str,
     /// Paper and section, and the definition in the code.
     pub source: &'static str,
-    /// What the hardware is built for: names of [`Format::settings`].
+    /// What the hardware is built for: names of [`UnitFormat::settings`].
     pub parameters: &'static [&'static str],
     /// RTL module, where it is not `cube3_` and the name, and parameters that it gets beside those.
     pub module: Option<(&'static str, &'static str)>,
@@ -169,7 +169,7 @@ pub struct Sheet {
 
 /// A field of a line: an element of a port in a format.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Field {
+pub struct LineField {
     /// Name, with the element's number where the port has several.
     pub name: String,
     /// Index of the port.
@@ -182,7 +182,7 @@ pub struct Field {
     pub range: [i128; 2],
 }
 
-impl Field {
+impl LineField {
     /// Hexadecimal digits.
     pub fn digits(&self) -> usize {
         self.bits.div_ceil(4) as usize
@@ -220,7 +220,7 @@ impl Sheet {
     ///
     /// # Errors
     /// An expression of the sheet without a value.
-    pub fn fields(ports: &[Port], format: &Format) -> Result<Vec<Field>, ExpressionError> {
+    pub fn fields(ports: &[Port], format: &UnitFormat) -> Result<Vec<LineField>, ExpressionError> {
         let mut fields = Vec::new();
         for (index, port) in ports.iter().enumerate() {
             let count = format.evaluate(port.count)?;
@@ -232,7 +232,7 @@ impl Sheet {
             };
             for i in 0..count {
                 let name = if count == 1 { port.name.to_owned() } else { format!("{}[{i}]", port.name) };
-                fields.push(Field { name, port: index, bits, signed: port.signed, range });
+                fields.push(LineField { name, port: index, bits, signed: port.signed, range });
             }
         }
         Ok(fields)
@@ -255,7 +255,7 @@ impl Sheet {
     ///
     /// # Errors
     /// An expression of the sheet without a value.
-    pub fn markdown(&self, format: &Format) -> Result<String, ExpressionError> {
+    pub fn markdown(&self, format: &UnitFormat) -> Result<String, ExpressionError> {
         markdown::section(self, format)
     }
 }
@@ -285,7 +285,7 @@ mod tests {
 
     #[test]
     fn a_signed_field_is_twos_complement_in_its_width() {
-        let field = Field { name: "g".into(), port: 0, bits: 17, signed: true, range: [-65536, 65535] };
+        let field = LineField { name: "g".into(), port: 0, bits: 17, signed: true, range: [-65536, 65535] };
         for (value, text) in [(0, "00000"), (-1, "1ffff"), (65535, "0ffff"), (-65536, "10000")] {
             assert_eq!(field.text(value), text);
             assert_eq!(field.value(u128::from_str_radix(text, 16).unwrap()), value);

@@ -6,7 +6,7 @@
 
 use crate::expression::ExpressionError;
 use crate::file::{format_line, unit_line};
-use crate::{Field, Format, Sheet};
+use crate::{LineField, Sheet, UnitFormat};
 use std::fmt::Write;
 
 /// Words that a bench can hold.
@@ -24,7 +24,7 @@ pub fn name(sheet: &Sheet) -> String {
 ///
 /// # Errors
 /// An expression of the sheet without a value.
-pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
+pub fn text(sheet: &Sheet, format: &UnitFormat) -> Result<String, ExpressionError> {
     let fields = [Sheet::fields(&sheet.inputs, format)?, Sheet::fields(&sheet.outputs, format)?];
     let [inputs, outputs] = &fields;
     let (module, further) = sheet.rtl();
@@ -32,7 +32,7 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
     let counted = if sheet.clocked { "cycles" } else { "transactions" };
     let widest = inputs.iter().chain(outputs).map(|field| field.bits).max().unwrap_or(1);
     let (count_in, count) = (inputs.len(), inputs.len() + outputs.len());
-    let bits = |fields: &[Field], port: usize| -> u32 {
+    let bits = |fields: &[LineField], port: usize| -> u32 {
         fields.iter().filter(|field| field.port == port).map(|field| field.bits).sum()
     };
     let mut t = String::new();
@@ -87,23 +87,24 @@ pub fn text(sheet: &Sheet, format: &Format) -> Result<String, ExpressionError> {
         parameters.join(", "),
         connections.join(",\n        ")
     );
-    let place = |t: &mut String, prefix: &str, becomes: &str, fields: &[Field], ports: &[crate::Port], first: usize| {
-        let mut low = 0;
-        for (i, field) in fields.iter().enumerate() {
-            if i > 0 && fields[i - 1].port != field.port {
-                low = 0;
+    let place =
+        |t: &mut String, prefix: &str, becomes: &str, fields: &[LineField], ports: &[crate::Port], first: usize| {
+            let mut low = 0;
+            for (i, field) in fields.iter().enumerate() {
+                if i > 0 && fields[i - 1].port != field.port {
+                    low = 0;
+                }
+                let name = ports[field.port].name;
+                let high = field.bits - 1;
+                let _ = writeln!(
+                    t,
+                    "            {prefix}{name}[{low} +: {}] {becomes} words[line * FIELDS + {}][{high}:0];",
+                    field.bits,
+                    first + i
+                );
+                low += field.bits;
             }
-            let name = ports[field.port].name;
-            let high = field.bits - 1;
-            let _ = writeln!(
-                t,
-                "            {prefix}{name}[{low} +: {}] {becomes} words[line * FIELDS + {}][{high}:0];",
-                field.bits,
-                first + i
-            );
-            low += field.bits;
-        }
-    };
+        };
     let _ = writeln!(t, "\n    always @(posedge drive) begin");
     place(&mut t, "", "<=", inputs, &sheet.inputs, 0);
     let _ = writeln!(t, "    end");

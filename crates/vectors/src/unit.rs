@@ -1,6 +1,6 @@
 //! A unit whose arithmetic can be evaluated on the fields of a line.
 
-use crate::{Device, Format, Sheet};
+use crate::{Device, Sheet, UnitFormat};
 use cube3_word::Probe;
 
 /// The tables of a unit, in the order of its sheet.
@@ -21,12 +21,12 @@ pub struct Seen {
 
 /// Writes down what wires carry.
 #[derive(Clone, Debug, Default)]
-pub struct Recorder {
+pub struct WireRecorder {
     part: Option<(&'static str, usize)>,
     seen: Vec<Seen>,
 }
 
-impl Recorder {
+impl WireRecorder {
     /// What has been seen.
     pub fn seen(&self) -> &[Seen] {
         &self.seen
@@ -38,7 +38,7 @@ impl Recorder {
     }
 }
 
-impl Probe for Recorder {
+impl Probe for WireRecorder {
     /// Wires of a part are in a row by the part's place, or where the part is there once, by their own.
     fn wire(&mut self, name: &'static str, place: usize, value: i128) {
         let (part, of_part) = self.part.unwrap_or(("", 0));
@@ -59,40 +59,40 @@ pub trait Unit: Sync {
     fn sheet(&self) -> Sheet;
 
     /// Evaluates the definition on the fields of a line, and shows the probe its wires. The fields of the result are the outputs.
-    fn evaluate(&self, format: &Format, tables: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128>;
+    fn evaluate(&self, format: &UnitFormat, tables: &Tables, inputs: &[i128], probe: &mut WireRecorder) -> Vec<i128>;
 
     /// The contents of the tables.
-    fn tables(&self, _format: &Format) -> Tables {
+    fn tables(&self, _format: &UnitFormat) -> Tables {
         Tables::new()
     }
 
     /// Makes a line legal whose fields are legal one by one: what the unit before would never send together.
-    fn legalise(&self, _format: &Format, _inputs: &mut [i128]) {}
+    fn legalise(&self, _format: &UnitFormat, _inputs: &mut [i128]) {}
 
     /// Lines that the sheet alone does not lead to.
-    fn corners(&self, _format: &Format) -> Vec<Vec<i128>> {
+    fn corners(&self, _format: &UnitFormat) -> Vec<Vec<i128>> {
         Vec::new()
     }
 
     /// Formats in which the unit is held against its lanes and its wires against their ranges, beside the default.
-    fn formats(&self) -> Vec<Format> {
+    fn formats(&self) -> Vec<UnitFormat> {
         word_formats()
     }
 
     /// The same by the code that runs where that is not the definition itself: the outputs of each line. An output that this code
     /// does not hold is the definition's.
-    fn lanes(&self, _format: &Format, _tables: &Tables, _lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+    fn lanes(&self, _format: &UnitFormat, _tables: &Tables, _lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
         None
     }
 
     /// The unit after reset, for one with a memory: it is given the lines in order.
-    fn start<'a>(&'a self, _format: &'a Format) -> Option<Device<'a>> {
+    fn start<'a>(&'a self, _format: &'a UnitFormat) -> Option<Device<'a>> {
         None
     }
 }
 
 /// Narrow, default and wide words, rounded and truncated.
-pub fn word_formats() -> Vec<Format> {
+pub fn word_formats() -> Vec<UnitFormat> {
     use cube3_word::{Rounding, Words};
     let base = Words::default();
     let narrow = Words {
@@ -131,7 +131,7 @@ pub fn word_formats() -> Vec<Format> {
     let volumepro = Words { voxel_bits: 12, gradient_bits: 8, colour_bits: 8, accumulator_bits: 12, ..base };
     let words = [base, narrow, least, wide, volumepro];
     let format = |words: Words| {
-        let mut format = Format { words, ..Format::default() };
+        let mut format = UnitFormat { words, ..UnitFormat::default() };
         // A root table holds no more index bits than a square has.
         format.root_bits = format.root_bits.min(2 * words.normal_bits - 3);
         format.power_bits = format.power_bits.min(words.normal_bits - 1);

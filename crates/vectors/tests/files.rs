@@ -3,8 +3,8 @@
 use cube3_vectors::around_mismatch;
 use cube3_vectors::compare::{Compared, explain};
 use cube3_vectors::{
-    AnswerReader, Comparison, FileError, Format, Header, Lines, Mismatch, ResponsesError, Set, Table, Tables, Unit,
-    VectorReader, Vectors, testbench, units,
+    AnswerReader, Comparison, FileError, Lines, Mismatch, ResponsesError, Set, Table, Tables, Unit, UnitFormat,
+    VectorHeader, VectorReader, Vectors, testbench, units,
 };
 use wellen::simple::read_from_reader;
 
@@ -14,7 +14,7 @@ fn unit(name: &str) -> Box<dyn Unit> {
 
 fn trilin() -> (Box<dyn Unit>, Vectors) {
     let unit = unit("trilin");
-    let vectors = Vectors::generate(unit.as_ref(), Format::default(), 300, 7).unwrap();
+    let vectors = Vectors::generate(unit.as_ref(), UnitFormat::default(), 300, 7).unwrap();
     (unit, vectors)
 }
 
@@ -29,14 +29,14 @@ fn answers(vectors: &Vectors) -> String {
 }
 
 /// What a file says of its lines.
-fn header(text: &str) -> Result<Header, FileError> {
+fn header(text: &str) -> Result<VectorHeader, FileError> {
     VectorReader::new(text.as_bytes()).map(|reader| reader.header().clone())
 }
 
 /// The vectors of a file with these contents of the tables.
 fn read(text: &str, unit: &dyn Unit, tables: Tables) -> Result<Vectors, FileError> {
     let mut reader = VectorReader::new(text.as_bytes())?;
-    let Header { format, seed, .. } = *reader.header();
+    let VectorHeader { format, seed, .. } = *reader.header();
     let set = Set::with_tables(unit, format, seed, tables)?;
     let mut inputs = Vec::new();
     while let Some(line) = reader.inputs(&set)? {
@@ -81,8 +81,8 @@ fn a_file_is_read_as_it_was_written() {
 #[test]
 fn the_count_cuts_one_sequence_of_lines() {
     for unit in units() {
-        let of = |count| Vectors::generate(unit.as_ref(), Format::default(), count, 3).unwrap();
-        let directed = Vectors::directed(unit.as_ref(), Format::default(), 3).unwrap();
+        let of = |count| Vectors::generate(unit.as_ref(), UnitFormat::default(), count, 3).unwrap();
+        let directed = Vectors::directed(unit.as_ref(), UnitFormat::default(), 3).unwrap();
         let all = of(directed.inputs.len() + 40);
         assert_eq!(all.inputs.len(), directed.inputs.len() + 40);
         assert_eq!(all.inputs[..directed.inputs.len()], directed.inputs);
@@ -97,7 +97,7 @@ fn the_count_cuts_one_sequence_of_lines() {
 #[test]
 fn the_lines_of_the_widest_cone_are_made_one_by_one() {
     let unit = unit("cone");
-    let set = Set::new(unit.as_ref(), Format { lanes: 4096, ..Format::default() }, 7).unwrap();
+    let set = Set::new(unit.as_ref(), UnitFormat { lanes: 4096, ..UnitFormat::default() }, 7).unwrap();
     let lines: Vec<Vec<i128>> = Lines::new(unit.as_ref(), &set).unwrap().take(6).collect();
     assert_eq!((lines.len(), lines[5].len()), (6, 2 + 7 * 4096));
 }
@@ -105,7 +105,7 @@ fn the_lines_of_the_widest_cone_are_made_one_by_one() {
 #[test]
 fn the_same_seed_gives_the_same_bytes_and_another_does_not() {
     let unit = unit("trilin");
-    let text = |seed| Vectors::generate(unit.as_ref(), Format::default(), 300, seed).unwrap().text();
+    let text = |seed| Vectors::generate(unit.as_ref(), UnitFormat::default(), 300, seed).unwrap().text();
     assert_eq!(text(7), text(7));
     assert_ne!(text(7), text(8));
 }
@@ -241,7 +241,7 @@ fn the_waveform_shows_the_lines_around_a_mismatch() {
 fn a_bench_names_every_port_and_parameter() {
     for unit in units() {
         let sheet = unit.sheet();
-        let text = testbench::text(&sheet, &Format::default()).unwrap();
+        let text = testbench::text(&sheet, &UnitFormat::default()).unwrap();
         for port in sheet.inputs.iter().chain(&sheet.outputs) {
             assert!(text.contains(&format!(".{0}({0})", port.name)), "{} {}", sheet.name, port.name);
         }

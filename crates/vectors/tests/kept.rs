@@ -1,6 +1,6 @@
 //! What is kept in the repository is what the program makes: the pages of the book, the reference vectors and their test benches.
 
-use cube3_vectors::{Format, Vectors, pages, testbench, units};
+use cube3_vectors::{UnitFormat, Vectors, pages, testbench, units};
 use std::path::Path;
 
 fn kept(path: &str) -> String {
@@ -35,7 +35,7 @@ fn every_unit_is_on_one_page() {
 fn the_reference_vectors_regenerate_to_the_same_bytes() {
     let remedy = "cube3 vectors --reference --out traces/vectors; say in the changelog why bits changed";
     for unit in units() {
-        let vectors = Vectors::directed(unit.as_ref(), Format::reference(), 7).unwrap();
+        let vectors = Vectors::directed(unit.as_ref(), UnitFormat::reference(), 7).unwrap();
         let name = vectors.set.sheet.name;
         assert_kept(&format!("traces/vectors/{name}.hex"), &vectors.text(), remedy);
         for (table, text) in vectors.table_texts() {
@@ -48,7 +48,7 @@ fn the_reference_vectors_regenerate_to_the_same_bytes() {
 fn the_test_benches_are_those_of_the_data_sheets() {
     for unit in units() {
         let sheet = unit.sheet();
-        let text = testbench::text(&sheet, &Format::reference()).unwrap();
+        let text = testbench::text(&sheet, &UnitFormat::reference()).unwrap();
         let path = format!("tests/rtl/tb/{}.sv", testbench::name(&sheet));
         assert_kept(&path, &text, "cube3 vectors --reference --testbench --out DIR, and move the benches there");
     }

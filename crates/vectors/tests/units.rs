@@ -1,12 +1,12 @@
 //! What holds for every unit: sheet, definition, lanes, ranges and coverage agree.
 
-use cube3_vectors::{Coverage, Field, Format, Recorder, Sheet, Vectors, bits_of, ranges, units};
+use cube3_vectors::{Coverage, LineField, Sheet, UnitFormat, Vectors, WireRecorder, bits_of, ranges, units};
 use std::collections::BTreeSet;
 
 /// Lines for each unit and format.
 const LINES: usize = 600;
 
-fn each(mut check: impl FnMut(&dyn cube3_vectors::Unit, Format)) {
+fn each(mut check: impl FnMut(&dyn cube3_vectors::Unit, UnitFormat)) {
     for unit in units() {
         for format in unit.formats() {
             check(unit.as_ref(), format);
@@ -24,7 +24,7 @@ fn fields_hold_their_ranges_and_names_are_unique() {
         let sheet = unit.sheet();
         let mut names = BTreeSet::new();
         for fields in [Sheet::fields(&sheet.inputs, &format), Sheet::fields(&sheet.outputs, &format)] {
-            for Field { name, bits, signed, range, .. } in fields.unwrap() {
+            for LineField { name, bits, signed, range, .. } in fields.unwrap() {
                 let width = if signed { [-(1 << (bits - 1)), (1 << (bits - 1)) - 1] } else { [0, (1 << bits) - 1] };
                 assert!(width[0] <= range[0] && range[0] <= range[1] && range[1] <= width[1], "{} {name}", sheet.name);
                 assert!(names.insert(name.clone()), "{} {name}", sheet.name);
@@ -50,7 +50,7 @@ fn the_definition_shows_the_wires_of_the_sheet_and_gives_what_its_outputs_hold()
         let vectors = Vectors::generate(unit, format, LINES, 1).unwrap();
         let sheet = &vectors.set.sheet;
         let mut shown = BTreeSet::new();
-        let mut recorder = Recorder::default();
+        let mut recorder = WireRecorder::default();
         for (inputs, outputs) in vectors.inputs.iter().zip(&vectors.outputs) {
             assert_eq!(outputs.len(), vectors.set.fields[1].len(), "{}", sheet.name);
             for (field, value) in vectors.set.fields[0].iter().zip(inputs) {

@@ -13,14 +13,16 @@ use cube3_volume::{Phantom, PhantomParams, RawLayout, ReadOptions, SampleType, r
 use flate2::Compression;
 use flate2::bufread::MultiGzDecoder;
 use flate2::write::GzEncoder;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
 
 fn numbers(side: usize) -> Vec<u8> {
     let head = Phantom::Head.generate(side, &PhantomParams::default()).expect("a phantom");
-    let mut state = 1u32;
-    let noisy = head.to_f64().into_iter().flat_map(|value| {
-        state = state.wrapping_mul(1664525).wrapping_add(1013904223);
-        (value as u16 * 16 + (state >> 28) as u16).to_le_bytes()
-    });
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let noisy = head
+        .to_f64()
+        .into_iter()
+        .flat_map(|value| (value as u16 * 16 + (random.next_u32() >> 28) as u16).to_le_bytes());
     noisy.collect()
 }
 

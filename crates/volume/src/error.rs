@@ -181,6 +181,13 @@ pub enum VolumeError {
 }
 
 /// Dimensions as a person writes them: `3×4×5`.
+impl VolumeError {
+    /// A name that is none of a parameter's.
+    pub(crate) fn unknown(parameter: &'static str, name: &str, remedy: &'static str) -> VolumeError {
+        VolumeError::Parameter { name: parameter, reason: format!("'{name}' is not known"), remedy }
+    }
+}
+
 pub(crate) fn show_dims(dims: &[impl fmt::Display]) -> String {
     let words: Vec<String> = dims.iter().map(|d| d.to_string()).collect();
     words.join("×")

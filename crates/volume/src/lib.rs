@@ -41,7 +41,7 @@ mod world;
 mod write;
 
 pub use error::{NonFinite, VolumeError};
-pub use format::Format;
+pub use format::FileFormat;
 pub use limits::{Memory, MemoryBound, ReadOptions, available_memory, memory_bounds};
 pub use open::{FileInfo, inspect, read, read_bytes};
 pub use phantom::{Phantom, PhantomParams};

@@ -9,7 +9,7 @@ use crate::source::Source;
 use crate::stream::Layout;
 use crate::volume::check_grid;
 use crate::world::Placed;
-use crate::{Format, ReadOptions, SampleType, Volume, VolumeError, World, metaimage, nifti, nrrd, raw};
+use crate::{FileFormat, ReadOptions, SampleType, Volume, VolumeError, World, metaimage, nifti, nrrd, raw};
 
 /// What a header says, all formats alike.
 pub(crate) struct Described<'a> {
@@ -23,7 +23,7 @@ pub(crate) struct Described<'a> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct FileInfo {
     /// The file's format.
-    pub format: Format,
+    pub format: FileFormat,
     /// Voxels along x, y and z of the grid.
     pub dims: [usize; 3],
     /// Voxels along the stored axes, fastest first.
@@ -77,7 +77,7 @@ pub fn inspect(path: impl AsRef<Path>, options: &ReadOptions) -> Result<FileInfo
 /// As [`read`]; a header whose voxels are in another file is refused.
 pub fn read_bytes(
     bytes: &[u8],
-    format: Option<Format>,
+    format: Option<FileFormat>,
     name: &str,
     options: &ReadOptions,
 ) -> Result<Volume, VolumeError> {
@@ -87,12 +87,12 @@ pub fn read_bytes(
         Some(format) => format,
         None => sniff(&mut source(true)?, options, &place)?,
     };
-    let unpack = format != Format::Raw || name.ends_with(".gz");
+    let unpack = format != FileFormat::Raw || name.ends_with(".gz");
     describe(source(unpack)?, format, options, &place)?.read(options, &place)
 }
 
-fn open_path(path: &Path, options: &ReadOptions) -> Result<(Format, Described<'static>, Place), VolumeError> {
-    let format = match Format::of_path(path) {
+fn open_path(path: &Path, options: &ReadOptions) -> Result<(FileFormat, Described<'static>, Place), VolumeError> {
+    let format = match FileFormat::of_path(path) {
         Some(format) => format,
         None => {
             let (mut source, place) = open(path, true)?;
@@ -100,11 +100,11 @@ fn open_path(path: &Path, options: &ReadOptions) -> Result<(Format, Described<'s
         }
     };
     let path = match format {
-        Format::Nifti => nifti::header_path(path)?,
+        FileFormat::Nifti => nifti::header_path(path)?,
         _ => path.to_owned(),
     };
     // Raw numbers may begin as a gzip stream does.
-    let (source, place) = open(&path, format != Format::Raw || is_gz(&path))?;
+    let (source, place) = open(&path, format != FileFormat::Raw || is_gz(&path))?;
     let described = describe(source, format, options, &place)?;
     Ok((format, described, place))
 }
@@ -119,29 +119,29 @@ pub(crate) fn without_gz(path: &Path) -> PathBuf {
     if is_gz(path) { path.with_extension("") } else { path.to_owned() }
 }
 
-fn sniff(source: &mut Source, options: &ReadOptions, place: &Place) -> Result<Format, VolumeError> {
+fn sniff(source: &mut Source, options: &ReadOptions, place: &Place) -> Result<FileFormat, VolumeError> {
     let head = source.fill_buf().map_err(|e| place.io("read", e))?;
-    Format::of_content(head)
-        .or(options.raw.is_some().then_some(Format::Raw))
+    FileFormat::of_content(head)
+        .or(options.raw.is_some().then_some(FileFormat::Raw))
         .ok_or_else(|| VolumeError::UnknownFormat { file: place.file.clone() })
 }
 
 fn describe<'a>(
     source: Source<'a>,
-    format: Format,
+    format: FileFormat,
     options: &ReadOptions,
     place: &Place,
 ) -> Result<Described<'a>, VolumeError> {
     match format {
-        Format::Nrrd => nrrd::describe(source, place),
-        Format::Nifti => nifti::describe(source, place),
-        Format::MetaImage => metaimage::describe(source, place),
-        Format::Raw => raw::describe(source, options, place),
+        FileFormat::Nrrd => nrrd::describe(source, place),
+        FileFormat::Nifti => nifti::describe(source, place),
+        FileFormat::MetaImage => metaimage::describe(source, place),
+        FileFormat::Raw => raw::describe(source, options, place),
     }
 }
 
 impl Described<'_> {
-    fn info(self, format: Format, options: &ReadOptions, place: &Place) -> Result<FileInfo, VolumeError> {
+    fn info(self, format: FileFormat, options: &ReadOptions, place: &Place) -> Result<FileInfo, VolumeError> {
         let Described { layout, placed, remarks, .. } = self;
         check_grid(layout.dims, placed.spacing, placed.origin).map_err(|e| place.grid(e))?;
         let order = placed.order(options.ordering);

@@ -1,7 +1,6 @@
 //! Bare numbers without a header: the reader must be told what they are.
 
-use std::fmt;
-use std::str::FromStr;
+use strum::{Display, EnumString};
 
 use crate::error::show_dims;
 use crate::open::Described;
@@ -14,7 +13,8 @@ use crate::world::Placed;
 use crate::{ReadOptions, SampleType, VolumeError};
 
 /// The order of the bytes of a number.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Display, EnumString)]
+#[strum(serialize_all = "lowercase", parse_err_ty = VolumeError, parse_err_fn = unknown)]
 pub enum Endian {
     /// The least significant byte comes first.
     #[default]
@@ -23,29 +23,8 @@ pub enum Endian {
     Big,
 }
 
-impl fmt::Display for Endian {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Endian::Little => "little",
-            Endian::Big => "big",
-        })
-    }
-}
-
-impl FromStr for Endian {
-    type Err = VolumeError;
-
-    fn from_str(name: &str) -> Result<Self, VolumeError> {
-        match name {
-            "little" => Ok(Endian::Little),
-            "big" => Ok(Endian::Big),
-            _ => Err(VolumeError::Parameter {
-                name: "endian",
-                reason: format!("'{name}' is not known"),
-                remedy: "write little or big",
-            }),
-        }
-    }
+fn unknown(name: &str) -> VolumeError {
+    VolumeError::unknown("endian", name, "write little or big")
 }
 
 /// What a raw file holds.

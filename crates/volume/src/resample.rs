@@ -13,7 +13,7 @@ mod separable;
 mod spline;
 mod straight;
 
-use std::fmt;
+use strum::{Display, EnumString};
 
 use crate::error::show_dims;
 use crate::{FileInfo, ReadOptions, Sample, Space, Volume, VolumeError, World, thick_dims};
@@ -21,7 +21,8 @@ use crate::{FileInfo, ReadOptions, Sample, Space, Volume, VolumeError, World, th
 use spline::Taps;
 
 /// What lies between voxels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Display, EnumString)]
+#[strum(serialize_all = "lowercase", parse_err_ty = VolumeError, parse_err_fn = unknown)]
 pub enum Filter {
     /// The nearest voxel, a half forward: for labels.
     Nearest,
@@ -32,31 +33,8 @@ pub enum Filter {
     Cubic,
 }
 
-impl fmt::Display for Filter {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Filter::Nearest => "nearest",
-            Filter::Linear => "linear",
-            Filter::Cubic => "cubic",
-        })
-    }
-}
-
-impl std::str::FromStr for Filter {
-    type Err = VolumeError;
-
-    fn from_str(name: &str) -> Result<Self, VolumeError> {
-        match name {
-            "nearest" => Ok(Filter::Nearest),
-            "linear" => Ok(Filter::Linear),
-            "cubic" => Ok(Filter::Cubic),
-            _ => Err(VolumeError::Parameter {
-                name: "filter",
-                reason: format!("'{name}' is not known"),
-                remedy: "write nearest, linear or cubic",
-            }),
-        }
-    }
+fn unknown(name: &str) -> VolumeError {
+    VolumeError::unknown("filter", name, "write nearest, linear or cubic")
 }
 
 /// The distances of the new voxels.

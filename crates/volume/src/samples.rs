@@ -1,12 +1,14 @@
 //! The eight numeric types that a voxel can have.
 
-use std::fmt;
 use std::str::FromStr;
+
+use strum::{Display, EnumString, IntoStaticStr, VariantArray};
 
 use crate::VolumeError;
 
 /// The type of a volume's samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Display, EnumString, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "lowercase", parse_err_ty = VolumeError, parse_err_fn = unknown)]
 pub enum SampleType {
     /// Unsigned, 8 bits.
     U8,
@@ -28,16 +30,7 @@ pub enum SampleType {
 
 impl SampleType {
     /// All eight, in the order of [`Samples`].
-    pub const ALL: [SampleType; 8] = [
-        SampleType::U8,
-        SampleType::I8,
-        SampleType::U16,
-        SampleType::I16,
-        SampleType::U32,
-        SampleType::I32,
-        SampleType::F32,
-        SampleType::F64,
-    ];
+    pub const ALL: [SampleType; SampleType::VARIANTS.len()] = *SampleType::VARIANTS.first_chunk().unwrap();
 
     /// Size of one sample in bytes.
     pub fn bytes(self) -> usize {
@@ -54,37 +47,14 @@ impl SampleType {
         matches!(self, SampleType::F32 | SampleType::F64)
     }
 
-    /// The name, as [`FromStr`] reads it: `u8`, `i8`, … `f64`.
+    /// The name, as it is read: `u8`, `i8`, … `f64`.
     pub fn name(self) -> &'static str {
-        match self {
-            SampleType::U8 => "u8",
-            SampleType::I8 => "i8",
-            SampleType::U16 => "u16",
-            SampleType::I16 => "i16",
-            SampleType::U32 => "u32",
-            SampleType::I32 => "i32",
-            SampleType::F32 => "f32",
-            SampleType::F64 => "f64",
-        }
+        self.into()
     }
 }
 
-impl fmt::Display for SampleType {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-impl FromStr for SampleType {
-    type Err = VolumeError;
-
-    fn from_str(name: &str) -> Result<Self, VolumeError> {
-        SampleType::ALL.into_iter().find(|t| t.name() == name).ok_or_else(|| VolumeError::Parameter {
-            name: "sample type",
-            reason: format!("'{name}' is not known"),
-            remedy: "write u8, i8, u16, i16, u32, i32, f32 or f64",
-        })
-    }
+fn unknown(name: &str) -> VolumeError {
+    VolumeError::unknown("sample type", name, "write u8, i8, u16, i16, u32, i32, f32 or f64")
 }
 
 /// A number as a file stores it: plain bytes that can be turned round.

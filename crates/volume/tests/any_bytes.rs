@@ -5,14 +5,14 @@ mod common;
 use std::sync::LazyLock;
 
 use common::pack;
-use cube3_volume::{Format, RawLayout, ReadOptions, SampleType, read_bytes};
+use cube3_volume::{FileFormat, RawLayout, ReadOptions, SampleType, read_bytes};
 use proptest::prelude::*;
 
-const FORMATS: [Format; 4] = [Format::Nrrd, Format::Nifti, Format::MetaImage, Format::Raw];
+const FORMATS: [FileFormat; 4] = [FileFormat::Nrrd, FileFormat::Nifti, FileFormat::MetaImage, FileFormat::Raw];
 
 static FILES: LazyLock<Vec<(String, Vec<u8>)>> = LazyLock::new(|| {
     let mut files: Vec<_> = ["nrrd", "nifti", "metaimage"].into_iter().flat_map(pack).collect();
-    files.retain(|f| Format::of_path(f.0.as_ref()).is_some_and(|format| format != Format::Raw));
+    files.retain(|f| FileFormat::of_path(f.0.as_ref()).is_some_and(|format| format != FileFormat::Raw));
     files
 });
 
@@ -110,7 +110,7 @@ proptest! {
     ) {
         let text: String = words.iter().map(|&w| WORDS[w]).collect();
         let text = if nrrd { format!("NRRD0004\n{text}") } else { text };
-        let format = if nrrd { Format::Nrrd } else { Format::MetaImage };
+        let format = if nrrd { FileFormat::Nrrd } else { FileFormat::MetaImage };
         let _ = read_bytes(text.as_bytes(), Some(format), "words", &options(frame));
     }
 
@@ -130,7 +130,7 @@ proptest! {
         if !whole {
             bytes.truncate(cut.index(bytes.len()));
         }
-        let result = read_bytes(&bytes, Format::of_path(name.as_ref()), name, &options(0));
+        let result = read_bytes(&bytes, FileFormat::of_path(name.as_ref()), name, &options(0));
         if let Ok(volume) = result {
             prop_assert_eq!(volume.len(), volume.dims.iter().product::<usize>());
             prop_assert!(volume.spacing.iter().all(|s| *s > 0.0 && s.is_finite()));

@@ -1,7 +1,7 @@
 //! Axes as files say that they run, and the grid that is drawn.
 
 use cube3_volume::{
-    AxisOrder, Format, Ordering, RawLayout, ReadOptions, SampleType, Space, Volume, inspect, read, read_bytes,
+    AxisOrder, FileFormat, Ordering, RawLayout, ReadOptions, SampleType, Space, Volume, inspect, read, read_bytes,
 };
 use proptest::prelude::*;
 
@@ -148,7 +148,7 @@ fn qform(dims: [usize; 3], order: AxisOrder) -> Vec<u8> {
     })
 }
 
-fn take(bytes: &[u8], format: Format) -> Volume {
+fn take(bytes: &[u8], format: FileFormat) -> Volume {
     read_bytes(bytes, Some(format), "t", &ReadOptions::default()).unwrap()
 }
 
@@ -174,14 +174,14 @@ fn all_48_orders_of_axes_in_every_format_give_the_bits_of_the_worlds_order() {
             ("scanner-xyz", [1.0, 1.0, 1.0]),
             ("3D-left-handed", [1.0, 1.0, -1.0]),
         ] {
-            assert_in_world_order(&take(&nrrd(space, signs, dims, order), Format::Nrrd), dims, order, space);
+            assert_in_world_order(&take(&nrrd(space, signs, dims, order), FileFormat::Nrrd), dims, order, space);
         }
-        assert_in_world_order(&take(&metaimage(dims, order), Format::MetaImage), dims, order, "metaimage");
-        assert_in_world_order(&take(&sform(dims, order), Format::Nifti), dims, order, "sform");
-        assert_in_world_order(&take(&qform(dims, order), Format::Nifti), dims, order, "qform");
+        assert_in_world_order(&take(&metaimage(dims, order), FileFormat::MetaImage), dims, order, "metaimage");
+        assert_in_world_order(&take(&sform(dims, order), FileFormat::Nifti), dims, order, "sform");
+        assert_in_world_order(&take(&qform(dims, order), FileFormat::Nifti), dims, order, "qform");
         // As stored nothing moves in memory, and the letters say where the axes lead.
         let options = ReadOptions { ordering: Ordering::AsStored, ..ReadOptions::default() };
-        let as_stored = read_bytes(&sform(dims, order), Some(Format::Nifti), "t", &options).unwrap();
+        let as_stored = read_bytes(&sform(dims, order), Some(FileFormat::Nifti), "t", &options).unwrap();
         let (sizes, bytes) = stored(dims, order);
         assert_eq!((as_stored.dims, as_stored.world.taken), (sizes, AxisOrder::default()));
         assert_eq!(as_stored.to_f64()[1], f64::from(u16::from_le_bytes([bytes[2], bytes[3]])));
@@ -205,7 +205,7 @@ fn volumes_of_several_blocks_are_turned_alike() {
             let [x, y, z] = order.turn([0, 1, 2].map(|s| if order.backward[s] { sizes[s] - 1 - at[s] } else { at[s] }));
             number.copy_from_slice(&words(x, y, z).to_le_bytes());
         }
-        let volume = take(&bytes, Format::Nrrd);
+        let volume = take(&bytes, FileFormat::Nrrd);
         assert_eq!((volume.dims, volume.world.taken), (dims, order));
         let wanted = Volume::from_fn(dims, SPACING, words).unwrap();
         assert!(volume.samples == wanted.samples, "{axis:?}");
@@ -228,7 +228,8 @@ fn a_number_that_does_not_fit_is_counted_as_it_is_stored() {
                  endian: little\nencoding: raw\n\n"
             );
             let bytes: Vec<u8> = header.bytes().chain(numbers).collect();
-            let error = read_bytes(&bytes, Some(Format::Nrrd), "t", &ReadOptions::default()).unwrap_err().to_string();
+            let error =
+                read_bytes(&bytes, Some(FileFormat::Nrrd), "t", &ReadOptions::default()).unwrap_err().to_string();
             assert!(error.contains(&format!("1099511627776 at number {bad} ")), "{directions}: {error}");
         }
     }
@@ -246,7 +247,7 @@ fn with_columns(columns: [[f64; 3]; 3]) -> Volume {
             }
         }
     });
-    take(&bytes, Format::Nifti)
+    take(&bytes, FileFormat::Nifti)
 }
 
 #[test]
@@ -291,11 +292,11 @@ fn a_space_that_is_not_named_leaves_the_grid_as_it_is() {
     let bytes = nrrd("RAS", [1.0; 3], [4, 3, 2], AxisOrder { axis: [0, 1, 2], backward: [true, false, false] });
     let at = bytes.windows(11).position(|w| w == b"space: RAS\n").unwrap();
     let named: Vec<u8> = [&bytes[..at], b"space dimension: 3\n", &bytes[at + 11..]].concat();
-    let volume = take(&named, Format::Nrrd);
+    let volume = take(&named, FileFormat::Nrrd);
     assert_eq!((volume.world.space, volume.value(0, 0, 0)), (Space::Unknown, 3.0));
     assert_eq!(volume.world.directions[0], [-1.0, 0.0, 0.0]);
     let raw = ReadOptions { raw: Some(RawLayout::new([4, 3, 2], SampleType::U16)), ..ReadOptions::default() };
-    let volume = read_bytes(&bytes[bytes.len() - 48..], Some(Format::Raw), "t.raw", &raw).unwrap();
+    let volume = read_bytes(&bytes[bytes.len() - 48..], Some(FileFormat::Raw), "t.raw", &raw).unwrap();
     assert_eq!((volume.world.space, volume.value(0, 0, 0)), (Space::Unknown, 3.0));
 }
 
@@ -310,7 +311,7 @@ fn a_header_is_enough_to_know_what_a_file_holds() {
     assert_eq!((info.dims, info.stored_dims), ([4, 3, 2], [3, 2, 4]));
     assert_eq!((info.spacing, info.origin, info.world), (volume.spacing, volume.origin, volume.world));
     assert_eq!((info.sample_type, info.volumes, info.bytes()), (SampleType::U16, 1, 48));
-    assert_eq!(info.format, Format::Nrrd);
+    assert_eq!(info.format, FileFormat::Nrrd);
 }
 
 proptest! {

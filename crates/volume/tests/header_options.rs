@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use cube3_volume::{Format, ReadOptions, SampleType, Space, Volume, VolumeError, inspect, read, read_bytes};
+use cube3_volume::{FileFormat, ReadOptions, SampleType, Space, Volume, VolumeError, inspect, read, read_bytes};
 
 /// Puts bytes into a header, at a place.
 type Put<'a> = &'a mut dyn FnMut(usize, &[u8]);
@@ -22,12 +22,12 @@ const HEAD: &str = "NRRD0004\ntype: short\nendian: little\n";
 fn nrrd(fields: &str, data: &[u8]) -> Result<Volume, VolumeError> {
     let encoding = if fields.contains("encoding") { "" } else { "encoding: raw\n" };
     let bytes = [HEAD.as_bytes(), encoding.as_bytes(), fields.as_bytes(), b"\n\n", data].concat();
-    read_bytes(&bytes, Some(Format::Nrrd), "t.nrrd", &ReadOptions::default())
+    read_bytes(&bytes, Some(FileFormat::Nrrd), "t.nrrd", &ReadOptions::default())
 }
 
 fn metaimage(fields: &str, data: &[u8]) -> Result<Volume, VolumeError> {
     let header = format!("ObjectType = Image\n{fields}\nElementType = MET_SHORT\nElementDataFile = LOCAL\n");
-    read_bytes(&[header.as_bytes(), data].concat(), Some(Format::MetaImage), "t.mha", &ReadOptions::default())
+    read_bytes(&[header.as_bytes(), data].concat(), Some(FileFormat::MetaImage), "t.mha", &ReadOptions::default())
 }
 
 fn gzip(bytes: &[u8]) -> Vec<u8> {
@@ -56,7 +56,7 @@ fn nifti(sizes: &[i16], data: &[u8], change: &dyn Fn(Put)) -> Vec<u8> {
 }
 
 fn nifti_volume(sizes: &[i16], data: &[u8], change: &dyn Fn(Put)) -> Result<Volume, VolumeError> {
-    read_bytes(&nifti(sizes, data, change), Some(Format::Nifti), "t.nii", &ReadOptions::default())
+    read_bytes(&nifti(sizes, data, change), Some(FileFormat::Nifti), "t.nii", &ReadOptions::default())
 }
 
 #[test]

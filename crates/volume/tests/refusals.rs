@@ -5,16 +5,16 @@ mod common;
 use std::io::Write;
 
 use common::fixture;
-use cube3_volume::{Endian, Format, RawLayout, ReadOptions, SampleType, Volume, VolumeError, read, read_bytes};
+use cube3_volume::{Endian, FileFormat, RawLayout, ReadOptions, SampleType, Volume, VolumeError, read, read_bytes};
 
 fn nrrd(header: &str, data: &[u8]) -> Result<Volume, VolumeError> {
     let bytes = [header.as_bytes(), b"\n", data].concat();
-    read_bytes(&bytes, Some(Format::Nrrd), "t.nrrd", &ReadOptions::default())
+    read_bytes(&bytes, Some(FileFormat::Nrrd), "t.nrrd", &ReadOptions::default())
 }
 
 fn metaimage(header: &str, data: &[u8]) -> Result<Volume, VolumeError> {
     let bytes = [header.as_bytes(), data].concat();
-    read_bytes(&bytes, Some(Format::MetaImage), "t.mha", &ReadOptions::default())
+    read_bytes(&bytes, Some(FileFormat::MetaImage), "t.mha", &ReadOptions::default())
 }
 
 /// Fields with their values.
@@ -167,7 +167,7 @@ fn every_prefix_of_every_kind_is_refused() {
     ] {
         let good = fixture(pack, name);
         for length in 0..good.len() {
-            let result = read_bytes(&good[..length], Format::of_path(name.as_ref()), name, &ReadOptions::default());
+            let result = read_bytes(&good[..length], FileFormat::of_path(name.as_ref()), name, &ReadOptions::default());
             assert!(result.is_err(), "{name} cut at {length} of {}", good.len());
         }
     }
@@ -263,7 +263,7 @@ fn nifti_fields_that_cannot_be() {
     let with = |at: usize, bytes: &[u8]| {
         let mut bad = good.clone();
         bad[at..at + bytes.len()].copy_from_slice(bytes);
-        read_bytes(&bad, Some(Format::Nifti), "t.nii", &ReadOptions::default())
+        read_bytes(&bad, Some(FileFormat::Nifti), "t.nii", &ReadOptions::default())
     };
     assert_says(with(42, &(-1i16).to_le_bytes()), &["'dim[1]'", "a size of -1"]);
     assert_says(with(44, &0i16.to_le_bytes()), &["'dim[2]'", "a size of 0"]);
@@ -282,7 +282,7 @@ fn nifti_fields_that_cannot_be() {
 fn raw_files_must_be_described_and_of_that_length() {
     let data: Vec<u8> = (0..24u16).flat_map(|v| (v * 300).to_be_bytes()).collect();
     let from = |raw: Option<RawLayout>| {
-        read_bytes(&data, Some(Format::Raw), "t.raw", &ReadOptions { raw, ..ReadOptions::default() })
+        read_bytes(&data, Some(FileFormat::Raw), "t.raw", &ReadOptions { raw, ..ReadOptions::default() })
     };
     let layout = RawLayout { endian: Endian::Big, ..RawLayout::new([2, 3, 4], SampleType::U16) };
     assert_eq!(from(Some(layout.clone())).unwrap().value(1, 2, 3), 6900.0);

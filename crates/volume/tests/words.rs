@@ -2,6 +2,8 @@
 
 use cube3_volume::{NonFiniteRule, Samples, Volume, VolumeError, VoxelWords, WordConversion, WordRounding};
 use proptest::prelude::*;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
 
 fn line(samples: Samples) -> Volume {
     Volume::new([samples.len(), 1, 1], [1.0; 3], samples).unwrap()
@@ -160,11 +162,9 @@ proptest! {
     fn counts_are_those_of_the_words(
         dims in prop::array::uniform3(1_usize..12), bits in 1_u32..=16, seed in any::<u64>(),
     ) {
-        let word = |x: usize, y: usize, z: usize| {
-            let mixed = (seed ^ (x + 12 * (y + 12 * z)) as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-            (mixed >> 48) as u16 & ((1_u32 << bits) - 1) as u16
-        };
-        let words = VoxelWords::from_fn(dims, bits, word).unwrap();
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let voxels = (0..dims.iter().product()).map(|_: usize| (random.next_u32() >> (32 - bits)) as u16).collect();
+        let words = VoxelWords::new(dims, [1.0; 3], bits, [0.0, 1.0], voxels).unwrap();
         let counts = words.counts();
         prop_assert_eq!(counts.len(), 1 << bits);
         for (word, &count) in counts.iter().enumerate() {

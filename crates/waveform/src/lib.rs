@@ -1,7 +1,7 @@
 //! Waveforms as FST files, and the files with which GTKWave and Surfer show them.
 //!
 //! ```text
-//!   Header ──scopes, variables──► Body ──times, changes──► Waveform ──► fst
+//!   WaveformHeader ──scopes, variables──► Body ──times, changes──► Waveform ──► fst
 //!                 └──────────── the list of variables ─────────┴─────► gtkwave, surfer
 //! ```
 
@@ -49,7 +49,7 @@ pub struct Variable {
 }
 
 /// Scopes and variables of a waveform, before its first time.
-pub struct Header {
+pub struct WaveformHeader {
     writer: FstHeaderWriter<Cursor<Vec<u8>>>,
     start: u64,
     timescale_exponent: i8,
@@ -63,12 +63,12 @@ fn plain(name: &str) -> String {
     name.replace(['[', '.', '-'], "_").replace(']', "")
 }
 
-impl Header {
+impl WaveformHeader {
     /// A waveform that begins `start` time units after time 0; a unit is a second by ten to the power of `timescale_exponent`.
     ///
     /// # Errors
     /// What the writer of the format says, here as below.
-    pub fn new(start: u64, timescale_exponent: i8) -> Result<Header, WaveformError> {
+    pub fn new(start: u64, timescale_exponent: i8) -> Result<WaveformHeader, WaveformError> {
         let info = FstInfo {
             // Viewers add this one to every time.
             start_time: 0,
@@ -78,13 +78,13 @@ impl Header {
             file_type: FstFileType::Verilog,
         };
         let writer = FstHeaderWriter::write_to_mem(&info)?;
-        Ok(Header { writer, start, timescale_exponent, scopes: Vec::new(), variables: Vec::new() })
+        Ok(WaveformHeader { writer, start, timescale_exponent, scopes: Vec::new(), variables: Vec::new() })
     }
 
     /// Opens a scope within the one that is open.
     ///
     /// # Errors
-    /// As [`Header::new`].
+    /// As [`WaveformHeader::new`].
     pub fn scope(&mut self, name: &str) -> Result<(), WaveformError> {
         self.scopes.push(plain(name));
         self.writer.scope(plain(name), "", FstScopeType::Module)
@@ -93,7 +93,7 @@ impl Header {
     /// Closes the scope that is open.
     ///
     /// # Errors
-    /// As [`Header::new`].
+    /// As [`WaveformHeader::new`].
     pub fn up_scope(&mut self) -> Result<(), WaveformError> {
         self.scopes.pop();
         self.writer.up_scope()
@@ -102,7 +102,7 @@ impl Header {
     /// A variable of the scope that is open.
     ///
     /// # Errors
-    /// As [`Header::new`].
+    /// As [`WaveformHeader::new`].
     pub fn variable(&mut self, name: &str, bits: u32, radix: Radix) -> Result<Signal, WaveformError> {
         let path = self.scopes.iter().cloned().chain([plain(name)]).collect();
         self.variables.push(Variable { path, bits, radix });
@@ -113,7 +113,7 @@ impl Header {
     /// A variable of one bit.
     ///
     /// # Errors
-    /// As [`Header::new`].
+    /// As [`WaveformHeader::new`].
     pub fn flag(&mut self, name: &str) -> Result<Signal, WaveformError> {
         self.variable(name, 1, Radix::Unsigned)
     }
@@ -121,7 +121,7 @@ impl Header {
     /// Ends the list of variables; the first time is that of the start.
     ///
     /// # Errors
-    /// As [`Header::new`].
+    /// As [`WaveformHeader::new`].
     pub fn finish(self) -> Result<Body, WaveformError> {
         let mut writer = self.writer.finish()?;
         writer.time_change(self.start)?;
@@ -142,7 +142,7 @@ impl Body {
     /// Goes on to a time, in time units after time 0.
     ///
     /// # Errors
-    /// As [`Header::new`], and a time before the last.
+    /// As [`WaveformHeader::new`], and a time before the last.
     pub fn time(&mut self, time: u64) -> Result<(), WaveformError> {
         if self.writer.size() > FLUSH_BYTES {
             self.writer.flush()?;
@@ -153,7 +153,7 @@ impl Body {
     /// A variable's value from now on: a letter for each bit, the highest first, 0, 1 or X.
     ///
     /// # Errors
-    /// As [`Header::new`].
+    /// As [`WaveformHeader::new`].
     pub fn change(&mut self, signal: Signal, value: &[u8]) -> Result<(), WaveformError> {
         self.writer.signal_change(signal, value)
     }

@@ -22,14 +22,14 @@ fn without_vectors<R>(work: impl FnOnce() -> R) -> R {
 }
 
 /// Lanes of a block: as many words of 32 bits as the widest vectors hold. Loops over the lanes of a block have no rest.
-pub const BLOCK: usize = 16;
+pub const BLOCK_LANES: usize = 16;
 
 /// A word for each lane of a block.
-pub type Block<T> = [T; BLOCK];
+pub type LaneBlock<T> = [T; BLOCK_LANES];
 
 /// The lanes of a row from `from` on, which is not beyond its end; lanes that it lacks hold zeros.
 #[inline(always)]
-pub fn block<T: Copy + Default>(row: &[T], from: usize) -> Block<T> {
+pub fn block<T: Copy + Default>(row: &[T], from: usize) -> LaneBlock<T> {
     match row[from..].first_chunk() {
         Some(block) => *block,
         None => rest(&row[from..]),
@@ -38,15 +38,15 @@ pub fn block<T: Copy + Default>(row: &[T], from: usize) -> Block<T> {
 
 /// A block that is not whole. Of its own, so that whole ones are moved as such and not as many words as there are.
 #[cold]
-fn rest<T: Copy + Default>(row: &[T]) -> Block<T> {
-    let mut block = [T::default(); BLOCK];
+fn rest<T: Copy + Default>(row: &[T]) -> LaneBlock<T> {
+    let mut block = [T::default(); BLOCK_LANES];
     block[..row.len()].copy_from_slice(row);
     block
 }
 
 /// Puts a block into the lanes of a row from `from` on, which is not beyond its end; lanes that it lacks are dropped.
 #[inline(always)]
-pub fn put_block<T: Copy>(block: &Block<T>, row: &mut [T], from: usize) {
+pub fn put_block<T: Copy>(block: &LaneBlock<T>, row: &mut [T], from: usize) {
     match row[from..].first_chunk_mut() {
         Some(lanes) => *lanes = *block,
         None => put_rest(block, &mut row[from..]),
@@ -55,7 +55,7 @@ pub fn put_block<T: Copy>(block: &Block<T>, row: &mut [T], from: usize) {
 
 /// See [`rest`].
 #[cold]
-fn put_rest<T: Copy>(block: &Block<T>, row: &mut [T]) {
+fn put_rest<T: Copy>(block: &LaneBlock<T>, row: &mut [T]) {
     row.copy_from_slice(&block[..row.len()]);
 }
 
@@ -133,13 +133,19 @@ impl LerpLanes {
 
     /// `out[i] = lerp(near[i], far[i], weights[i])` of a block.
     #[inline(always)]
-    pub fn block(self, near: &Block<i32>, far: &Block<i32>, weights: &Block<u32>, out: &mut Block<i32>) {
+    pub fn block(
+        self,
+        near: &LaneBlock<i32>,
+        far: &LaneBlock<i32>,
+        weights: &LaneBlock<u32>,
+        out: &mut LaneBlock<i32>,
+    ) {
         if self.narrow {
-            for i in 0..BLOCK {
+            for i in 0..BLOCK_LANES {
                 out[i] = self.narrow(near[i], far[i], weights[i] as i32);
             }
         } else {
-            for i in 0..BLOCK {
+            for i in 0..BLOCK_LANES {
                 out[i] = self.wide(near[i], far[i], weights[i] as i32);
             }
         }
@@ -180,7 +186,7 @@ mod tests {
                 let mut put = vec![0; n];
                 put_block(&taken, &mut put, from);
                 for (place, word) in put.iter().enumerate() {
-                    let within = (from..from + BLOCK).contains(&place);
+                    let within = (from..from + BLOCK_LANES).contains(&place);
                     assert_eq!(
                         *word,
                         if within { row[place] } else { 0 },
@@ -222,10 +228,10 @@ mod tests {
                 prop_assert_eq!(out[i], lerp(near[i], far[i], weights[i], fraction_bits, rounding));
                 prop_assert_eq!(out[i], lanes.one(near[i], far[i], weights[i]));
             }
-            for from in (0..out.len()).step_by(BLOCK) {
-                let mut lerped = [0; BLOCK];
+            for from in (0..out.len()).step_by(BLOCK_LANES) {
+                let mut lerped = [0; BLOCK_LANES];
                 lanes.block(&block(&near, from), &block(&far, from), &block(&weights, from), &mut lerped);
-                prop_assert_eq!(&lerped[..BLOCK.min(out.len() - from)], &out[from..out.len().min(from + BLOCK)]);
+                prop_assert_eq!(&lerped[..BLOCK_LANES.min(out.len() - from)], &out[from..out.len().min(from + BLOCK_LANES)]);
             }
             let weight = (part * one).round() as u32;
             vectorised(|| lanes.uniform(&near, &far, weight, &mut out));

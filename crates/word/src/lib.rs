@@ -18,7 +18,7 @@ mod unit;
 mod unit_lanes;
 
 pub use formats::{Length, WordError, Words};
-pub use lanes::{BLOCK, Block, LerpLanes, block, put_block, turn, vectorised};
+pub use lanes::{BLOCK_LANES, LaneBlock, LerpLanes, block, put_block, turn, vectorised};
 pub use probe::Probe;
 pub use rounding::{Rounding, Shift, lerp, lerp_wires, saturate};
 pub use unit::{quantise_fraction, quantise_unit, unit_full, unit_mul, unit_mul_wires, unit_resize};

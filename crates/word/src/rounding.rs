@@ -2,10 +2,12 @@
 
 use crate::Probe;
 use serde::{Deserialize, Serialize};
+use strum::{IntoStaticStr, VariantArray};
 
 /// What happens to the bits that a right shift drops.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Rounding {
     /// To the nearest value, ties towards +∞: half is added before the shift.
     #[default]
@@ -15,12 +17,9 @@ pub enum Rounding {
 }
 
 impl Rounding {
-    /// Every rounding with its name in machine files.
-    pub const NAMES: [(Rounding, &'static str); 2] = [(Rounding::Nearest, "nearest"), (Rounding::Truncate, "truncate")];
-
     /// The name in machine files.
-    pub const fn name(self) -> &'static str {
-        Rounding::NAMES[self as usize].1
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 
     /// `value / 2^bits`, rounded. `bits` is 0 to 62.

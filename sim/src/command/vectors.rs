@@ -16,7 +16,7 @@ use cube3_pipeline::Machine;
 use cube3_vectors::SetFiles;
 use cube3_vectors::record::{Excerpt, Recording, Run};
 use cube3_vectors::rtl_frame;
-use cube3_vectors::{Coverage, Format, Lines, Set, Unit, pages, testbench, units};
+use cube3_vectors::{Coverage, Lines, Set, Unit, UnitFormat, pages, testbench, units};
 use std::path::PathBuf;
 
 /// Most lines of a file: a test bench reads them into memory.
@@ -54,8 +54,8 @@ impl UnitArguments {
     ///
     /// # Errors
     /// A length that no unit has, a name that is none.
-    pub fn format(&self) -> Outcome<Format> {
-        let mut format = Format::of(&inputs::machine(&self.machine)?);
+    pub fn format(&self) -> Outcome<UnitFormat> {
+        let mut format = UnitFormat::of(&inputs::machine(&self.machine)?);
         if let Some(lengths) = &self.format {
             format = format.with_lengths(lengths).map_err(|error| Problem::new(format!("--format: {error}")))?;
         }
@@ -178,7 +178,7 @@ impl VectorsArguments {
         if self.from_run || self.frame {
             return self.of_scene();
         }
-        let format = if self.reference { Format::reference() } else { self.unit.format()? };
+        let format = if self.reference { UnitFormat::reference() } else { self.unit.format()? };
         let asked = self.unit.units()?;
         if self.sheet {
             let sheets: Result<Vec<String>, _> = asked.iter().map(|unit| unit.sheet().markdown(&format)).collect();

@@ -19,7 +19,7 @@ use cube3_vectors::SetFiles;
 use cube3_vectors::around_mismatch;
 use cube3_vectors::compare::{Compared, explain};
 use cube3_vectors::{
-    Answer, Comparison, Definition, FileError, Format, Lines, Mismatch, Set, Unit, ranges, word_formats,
+    Answer, Comparison, FileError, Lines, Mismatch, Set, Unit, UnitDefinition, UnitFormat, ranges, word_formats,
 };
 use cube3_word::{Words, unit_full};
 use rustix::process::{Pid, Signal, kill_process_group};
@@ -177,7 +177,7 @@ impl VerifyArguments {
         let count = self.unit.lines()?;
         let mut wrong = Vec::new();
         for unit in self.unit.units()? {
-            let formats: Vec<Format> = if asked { vec![self.unit.format()?] } else { unit.formats() };
+            let formats: Vec<UnitFormat> = if asked { vec![self.unit.format()?] } else { unit.formats() };
             let name = unit.sheet().name;
             let (mut lines, mut answered, mut equal, mut wires, mut hold) = (0, 0, 0, 0, 0);
             for format in &formats {
@@ -248,7 +248,7 @@ fn at(path: &Path, what: impl std::fmt::Display) -> Problem {
 /// The first `count` lines of a set by the unit's lanes against its definition: where they differ first, and how many were compared.
 fn lanes(unit: &dyn Unit, set: &Set, count: usize) -> Outcome<(Option<Mismatch>, usize)> {
     let mut lines = Lines::new(unit, set)?.take(count).peekable();
-    let mut definition = Definition::new(unit, set);
+    let mut definition = UnitDefinition::new(unit, set);
     let mut comparison = Comparison::new(set, 0);
     let most = (BLOCK_BYTES / (16 * set.width())).max(1);
     while lines.peek().is_some() {

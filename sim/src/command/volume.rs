@@ -8,7 +8,7 @@ use crate::progress::Waiting;
 use clap::{Args, Subcommand};
 use cube3::memory::{self, Grid};
 use cube3_volume::{
-    FileInfo, Filter, Format, NewGrid, NonFiniteRule, Ordering, Packing, Phantom, PhantomParams, ReadOptions,
+    FileFormat, FileInfo, Filter, NewGrid, NonFiniteRule, Ordering, Packing, Phantom, PhantomParams, ReadOptions,
     Resampling, Samples, Space, Volume, WordConversion, check_name, inspect, read, readable, resample, write_packed,
 };
 use std::path::{Path, PathBuf};
@@ -149,7 +149,7 @@ impl VolumeArguments {
             }
             VolumeCommand::Resample { from, to, cubes: _, spacing, size, straight, filter, outside, time } => {
                 check_name(&to)?;
-                if Format::of_path(&from) == Some(Format::Raw) {
+                if FileFormat::of_path(&from) == Some(FileFormat::Raw) {
                     return Err(Problem::new(format!(
                         "{0}: a raw file does not say how far apart its voxels are; convert it first, \
                          e.g. cube3 volume convert {0} volume.nrrd --dims 256x256x99 --type u8 --spacing 1,1,2",
@@ -230,8 +230,11 @@ fn save(path: &Path, volume: &Volume, packing: Packing) -> Outcome<()> {
     let mut text = format!("wrote {}: {x} × {y} × {z} {}\n", path.display(), volume.sample_type());
     for remark in remarks {
         // The one that a raw file has is about the order of its voxels.
-        let remedy =
-            if Format::of_path(path) == Some(Format::Raw) { "; --ras writes the order that is drawn" } else { "" };
+        let remedy = if FileFormat::of_path(path) == Some(FileFormat::Raw) {
+            "; --ras writes the order that is drawn"
+        } else {
+            ""
+        };
         text += &format!("note: {remark}{remedy}\n");
     }
     print(&text)

@@ -8,7 +8,8 @@ use super::shade::{Normals, SeenLight, colours, lengths, lit, opacities};
 use cube3_frame::{DiscreteRay, FrameSetup, Geometry, SLOPE_FRACTION_BITS};
 use cube3_machine::GradientMethod;
 use cube3_scene::{
-    DepthCue, Mode, ResolvedLight, Scene, ViewFrame, corrected_opacity, depth_range, resolve_lights, turn_lights,
+    DepthCue, Mode, ResolvedLight, Scene, ViewFrame, corrected_opacity, depth_range, resolve_lights, smallest_spacing,
+    turn_lights,
 };
 use cube3_twin::Basis;
 use cube3_volume::Volume;
@@ -59,7 +60,7 @@ impl<'a> Walk<'a> {
         grains: Grains,
     ) -> Walk<'a> {
         let basis = Basis::new(&setup.geometry, volume.spacing, method);
-        let smallest = volume.spacing.into_iter().fold(f64::INFINITY, f64::min);
+        let smallest = smallest_spacing(volume.spacing);
         let shortest = basis.lengths.into_iter().fold(f64::INFINITY, f64::min);
         let word = if grains == Grains::none() { 0.0 } else { component_value(setup, window) };
         Walk {
@@ -227,7 +228,7 @@ impl<'a> Walk<'a> {
         }
         let geometry = &self.setup.geometry;
         let spacing = geometry.axes.permute(self.spacing);
-        let smallest = spacing.into_iter().fold(f64::INFINITY, f64::min);
+        let smallest = smallest_spacing(spacing);
         let square = |step: [f64; 3]| (0..3).map(|i| (step[i] * spacing[i] / smallest).powi(2)).sum::<f64>();
         let here = square(along);
         let Some(pass) = &geometry.perspective else {

@@ -2,7 +2,7 @@
 
 use super::ShadedBlock;
 use cube3_frame::Classification;
-use cube3_word::{BLOCK, Block};
+use cube3_word::{BLOCK_LANES, LaneBlock};
 use std::sync::Arc;
 
 /// The classification tables.
@@ -43,7 +43,7 @@ impl ClassifyLanes {
     /// Opacities of a block, and which samples take part: the others are 0. `magnitude` is read where the opacity depends on it; `class` is 0 where there
     /// is one class.
     #[inline(always)]
-    pub fn opacity(&self, magnitude: &Block<u32>, class: &Block<u32>, out: &mut ShadedBlock) {
+    pub fn opacity(&self, magnitude: &LaneBlock<u32>, class: &LaneBlock<u32>, out: &mut ShadedBlock) {
         if self.flat {
             self.opacity_in::<true>(magnitude, class, out);
         } else {
@@ -52,7 +52,7 @@ impl ClassifyLanes {
     }
 
     #[inline(always)]
-    fn opacity_in<const FLAT: bool>(&self, magnitude: &Block<u32>, class: &Block<u32>, out: &mut ShadedBlock) {
+    fn opacity_in<const FLAT: bool>(&self, magnitude: &LaneBlock<u32>, class: &LaneBlock<u32>, out: &mut ShadedBlock) {
         let shift = self.shift;
         let table = &*self.opacity;
         let Some(last) = table.len().checked_sub(1) else {
@@ -62,9 +62,9 @@ impl ClassifyLanes {
         let width = self.width;
         let (drop, top) = self.rows.unwrap_or((0, 0));
         // Copies, which nothing that is written can be part of.
-        let (words, mut there, mut found) = (out.samples, out.present, [0; BLOCK]);
-        let mut kept = [0; BLOCK];
-        for i in 0..BLOCK {
+        let (words, mut there, mut found) = (out.samples, out.present, [0; BLOCK_LANES]);
+        let mut kept = [0; BLOCK_LANES];
+        for i in 0..BLOCK_LANES {
             let word = words[i] as u32;
             let takes_part = there[i] != 0 && word >= low && word <= high;
             let row = if FLAT { 0 } else { (class[i] * (top + 1) + (magnitude[i] >> drop).min(top)) * width };
@@ -92,7 +92,7 @@ impl ClassifyLanes {
             return;
         };
         let ShadedBlock { samples, colour: [red, green, blue], .. } = out;
-        for i in 0..BLOCK {
+        for i in 0..BLOCK_LANES {
             let entry = table[((samples[i] as u32 >> shift) as usize).min(last)];
             red[i] = entry as u32 & 0xffff;
             green[i] = (entry >> 16) as u32 & 0xffff;

@@ -3,7 +3,7 @@
 use super::{Around, HERE, LocalBlock, Neighbour, Neighbours};
 use cube3_frame::{GradientRegisters, GradientScale};
 use cube3_machine::{Differences, GradientMethod};
-use cube3_word::{BLOCK, Block, Shift, Words};
+use cube3_word::{BLOCK_LANES, LaneBlock, Shift, Words};
 
 /// Whether a gradient method reads the neighbour at a displacement.
 pub(crate) fn reads(method: GradientMethod, by: [i64; 3]) -> bool {
@@ -82,7 +82,7 @@ impl GradientLanes {
     /// Gradients of a block of a parallel frame, and in `overflow` how many words of each lane were saturated, added to what is there;
     /// see [`crate::golden::gradient`].
     #[inline(always)]
-    pub fn run(&self, around: &Around, out: &mut [Block<i32>; 3], overflow: &mut Block<u32>) {
+    pub fn run(&self, around: &Around, out: &mut [LaneBlock<i32>; 3], overflow: &mut LaneBlock<u32>) {
         if self.narrow {
             self.parallel::<false>(around, out, overflow);
         } else {
@@ -91,7 +91,12 @@ impl GradientLanes {
     }
 
     #[inline(always)]
-    fn parallel<const WIDE: bool>(&self, around: &Around, out: &mut [Block<i32>; 3], overflow: &mut Block<u32>) {
+    fn parallel<const WIDE: bool>(
+        &self,
+        around: &Around,
+        out: &mut [LaneBlock<i32>; 3],
+        overflow: &mut LaneBlock<u32>,
+    ) {
         let [du, dv] = self.weights;
         match self.differences {
             Differences::Central => central(around, out),
@@ -99,7 +104,7 @@ impl GradientLanes {
             Differences::Feet => feet::<WIDE>(around, [du, dv], self.lerp, out),
             Differences::Bilinear => {
                 let [u, v, w] = out;
-                for i in 0..BLOCK {
+                for i in 0..BLOCK_LANES {
                     u[i] = around[place(1, 1, 2)][i] - around[place(1, 1, 0)][i];
                     v[i] = around[place(1, 2, 1)][i] - around[place(1, 0, 1)][i];
                     let far = bilinear::<WIDE>(corners(around, BEHIND, i), du, dv, self.lerp);
@@ -110,12 +115,12 @@ impl GradientLanes {
         }
         if self.sheared {
             let [u, v, w] = out;
-            for i in 0..BLOCK {
+            for i in 0..BLOCK_LANES {
                 w[i] -= self.along::<WIDE>([u[i], v[i]], [du, dv]);
             }
         }
         if let Some(factors) = self.factors {
-            self.scale::<WIDE>(&factors.map(|factor| [factor as i32; BLOCK]), out);
+            self.scale::<WIDE>(&factors.map(|factor| [factor as i32; BLOCK_LANES]), out);
         }
         self.drop_low_bits(out, overflow);
     }
@@ -128,8 +133,8 @@ impl GradientLanes {
         around: &Around,
         local: &LocalBlock,
         mirrored: [bool; 2],
-        out: &mut [Block<i32>; 3],
-        overflow: &mut Block<u32>,
+        out: &mut [LaneBlock<i32>; 3],
+        overflow: &mut LaneBlock<u32>,
     ) {
         if self.narrow {
             self.local::<false>(around, local, mirrored, out, overflow);
@@ -144,8 +149,8 @@ impl GradientLanes {
         around: &Around,
         local: &LocalBlock,
         mirrored: [bool; 2],
-        out: &mut [Block<i32>; 3],
-        overflow: &mut Block<u32>,
+        out: &mut [LaneBlock<i32>; 3],
+        overflow: &mut LaneBlock<u32>,
     ) {
         if self.differences == Differences::Weighted {
             weighted(around, out);
@@ -155,20 +160,20 @@ impl GradientLanes {
         let [u, v, w] = &mut *out;
         if self.differences == Differences::Bilinear {
             let LocalBlock { behind: [behind_u, behind_v], before: [before_u, before_v], .. } = local;
-            for i in 0..BLOCK {
+            for i in 0..BLOCK_LANES {
                 let far = bilinear::<WIDE>(corners(around, BEHIND, i), behind_u[i], behind_v[i], self.lerp);
                 let near = bilinear::<WIDE>(corners(around, BEFORE, i), before_u[i], before_v[i], self.lerp);
                 w[i] = far - near;
             }
         }
         if let Some(nearness) = &local.nearness {
-            for i in 0..BLOCK {
+            for i in 0..BLOCK_LANES {
                 w[i] = self.whole.apply(i64::from(w[i]) * i64::from(nearness[i])) as i32;
             }
         }
         if self.sheared {
             let [here_u, here_v] = &local.here;
-            for i in 0..BLOCK {
+            for i in 0..BLOCK_LANES {
                 w[i] -= self.along::<WIDE>([u[i], v[i]], [here_u[i], here_v[i]]);
             }
         }
@@ -193,8 +198,8 @@ impl GradientLanes {
     }
 
     #[inline(always)]
-    fn scale<const WIDE: bool>(&self, factors: &[Block<i32>; 3], [u, v, w]: &mut [Block<i32>; 3]) {
-        for i in 0..BLOCK {
+    fn scale<const WIDE: bool>(&self, factors: &[LaneBlock<i32>; 3], [u, v, w]: &mut [LaneBlock<i32>; 3]) {
+        for i in 0..BLOCK_LANES {
             u[i] = mul::<WIDE>(u[i], factors[0][i], self.scaling);
             v[i] = mul::<WIDE>(v[i], factors[1][i], self.scaling);
             w[i] = mul::<WIDE>(w[i], factors[2][i], self.scaling);
@@ -203,9 +208,9 @@ impl GradientLanes {
 
     /// Drops the low bits of scaled differences, and holds them to the gradient's word.
     #[inline(always)]
-    fn drop_low_bits(&self, [u, v, w]: &mut [Block<i32>; 3], overflow: &mut Block<u32>) {
+    fn drop_low_bits(&self, [u, v, w]: &mut [LaneBlock<i32>; 3], overflow: &mut LaneBlock<u32>) {
         let GradientLanes { drop, top, .. } = *self;
-        for i in 0..BLOCK {
+        for i in 0..BLOCK_LANES {
             let dropped = [drop.apply32(u[i]), drop.apply32(v[i]), drop.apply32(w[i])];
             u[i] = dropped[0].clamp(-top - 1, top);
             v[i] = dropped[1].clamp(-top - 1, top);
@@ -223,8 +228,8 @@ fn corners(around: &Around, places: [usize; 4], i: usize) -> [i32; 4] {
 
 /// Central differences.
 #[inline(always)]
-fn central(around: &Around, [u, v, w]: &mut [Block<i32>; 3]) {
-    for i in 0..BLOCK {
+fn central(around: &Around, [u, v, w]: &mut [LaneBlock<i32>; 3]) {
+    for i in 0..BLOCK_LANES {
         u[i] = around[place(1, 1, 2)][i] - around[place(1, 1, 0)][i];
         v[i] = around[place(1, 2, 1)][i] - around[place(1, 0, 1)][i];
         w[i] = around[place(2, 1, 1)][i] - around[place(0, 1, 1)][i];
@@ -233,8 +238,8 @@ fn central(around: &Around, [u, v, w]: &mut [Block<i32>; 3]) {
 
 /// Sums of nine differences along each axis, with weights 1, 2, 1 both ways across it.
 #[inline(always)]
-fn weighted(around: &Around, [u, v, w]: &mut [Block<i32>; 3]) {
-    for i in 0..BLOCK {
+fn weighted(around: &Around, [u, v, w]: &mut [LaneBlock<i32>; 3]) {
+    for i in 0..BLOCK_LANES {
         let sum = |pair: fn(usize, usize) -> [usize; 2]| {
             let difference = |a: usize, b: usize| {
                 let [far, near] = pair(a, b);
@@ -251,8 +256,8 @@ fn weighted(around: &Around, [u, v, w]: &mut [Block<i32>; 3]) {
 
 /// Differences of the feet of perpendiculars along u and v, and along the ray.
 #[inline(always)]
-fn feet<const WIDE: bool>(around: &Around, [du, dv]: [i32; 2], shift: Shift, [u, v, w]: &mut [Block<i32>; 3]) {
-    for i in 0..BLOCK {
+fn feet<const WIDE: bool>(around: &Around, [du, dv]: [i32; 2], shift: Shift, [u, v, w]: &mut [LaneBlock<i32>; 3]) {
+    for i in 0..BLOCK_LANES {
         let foot = |near: usize, far: usize, weight| lerp::<WIDE>(around[near][i], around[far][i], weight, shift);
         u[i] = foot(place(1, 1, 2), place(0, 1, 2), du) - foot(place(1, 1, 0), place(2, 1, 0), du);
         v[i] = foot(place(1, 2, 1), place(0, 2, 1), dv) - foot(place(1, 0, 1), place(2, 0, 1), dv);

@@ -2,7 +2,7 @@
 
 use super::blocks;
 use cube3_frame::{Phong, PhongLight, ReflectanceTable};
-use cube3_word::{BLOCK, Block, Shift, Words, put_block, unit_full, vectorised};
+use cube3_word::{BLOCK_LANES, LaneBlock, Shift, Words, put_block, unit_full, vectorised};
 
 /// Light, ready for blocks.
 #[derive(Clone, Debug)]
@@ -14,17 +14,17 @@ pub(super) enum ShadingLanes {
 /// The direction of a light, and halfway between it and the eye, for each lane of a block.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Towards(pub(super) [[Block<i32>; 3]; 2]);
+pub(super) struct Towards(pub(super) [[LaneBlock<i32>; 3]; 2]);
 
 /// Colours in the light: `min(round(colour · diffuse) + specular, 1)`, and how many words of each lane were saturated, added to what
 /// is there; see [`crate::golden::lit`].
 #[inline(always)]
 pub(super) fn lit(
-    diffuse: &[Block<u32>; 3],
-    specular: &[Block<u32>; 3],
+    diffuse: &[LaneBlock<u32>; 3],
+    specular: &[LaneBlock<u32>; 3],
     words: &Words,
-    colour: &mut [Block<u32>; 3],
-    overflow: &mut Block<u32>,
+    colour: &mut [LaneBlock<u32>; 3],
+    overflow: &mut LaneBlock<u32>,
 ) {
     // 8 lights of 15 and an ambient of 15 stay below 2^(colour_bits + 8).
     if 2 * words.colour_bits + 8 <= 32 {
@@ -36,11 +36,11 @@ pub(super) fn lit(
 
 #[inline(always)]
 fn lit_in<const NARROW: bool>(
-    diffuse: &[Block<u32>; 3],
-    specular: &[Block<u32>; 3],
+    diffuse: &[LaneBlock<u32>; 3],
+    specular: &[LaneBlock<u32>; 3],
     words: &Words,
-    [red, green, blue]: &mut [Block<u32>; 3],
-    overflow: &mut Block<u32>,
+    [red, green, blue]: &mut [LaneBlock<u32>; 3],
+    overflow: &mut LaneBlock<u32>,
 ) {
     let full = unit_full(words.colour_bits);
     let shift = words.rounding.by(words.colour_bits);
@@ -52,7 +52,7 @@ fn lit_in<const NARROW: bool>(
         };
         reflected + specular
     };
-    for i in 0..BLOCK {
+    for i in 0..BLOCK_LANES {
         let sums = [
             one(red[i], diffuse[0][i], specular[0][i]),
             one(green[i], diffuse[1][i], specular[1][i]),
@@ -77,7 +77,7 @@ pub(super) struct PhongLanes {
 
 impl PhongLanes {
     pub(super) fn new(phong: &Phong, words: &Words) -> PhongLanes {
-        let splat = |direction: [i32; 3]| direction.map(|component| [component; BLOCK]);
+        let splat = |direction: [i32; 3]| direction.map(|component| [component; BLOCK_LANES]);
         PhongLanes {
             registers: phong.clone(),
             words: *words,
@@ -88,9 +88,9 @@ impl PhongLanes {
 
     /// The light that comes from everywhere.
     #[inline(always)]
-    pub(super) fn begin(&self, diffuse: &mut [Block<u32>; 3], specular: &mut [Block<u32>; 3]) {
-        *diffuse = [[self.registers.ambient; BLOCK]; 3];
-        *specular = [[0; BLOCK]; 3];
+    pub(super) fn begin(&self, diffuse: &mut [LaneBlock<u32>; 3], specular: &mut [LaneBlock<u32>; 3]) {
+        *diffuse = [[self.registers.ambient; BLOCK_LANES]; 3];
+        *specular = [[0; BLOCK_LANES]; 3];
     }
 
     /// Adds light `number`, which is `towards` each lane, and the highlight of what is halfway.
@@ -99,9 +99,9 @@ impl PhongLanes {
         &self,
         number: usize,
         light: &Towards,
-        direction: &[Block<i32>; 3],
-        diffuse: &mut [Block<u32>; 3],
-        specular: &mut [Block<u32>; 3],
+        direction: &[LaneBlock<i32>; 3],
+        diffuse: &mut [LaneBlock<u32>; 3],
+        specular: &mut [LaneBlock<u32>; 3],
     ) {
         match (self.registers.two_sided, self.narrow) {
             (false, true) => self.add_in::<false, true>(number, light, direction, diffuse, specular),
@@ -116,9 +116,9 @@ impl PhongLanes {
         &self,
         number: usize,
         Towards([towards, halfway]): &Towards,
-        direction: &[Block<i32>; 3],
-        diffuse: &mut [Block<u32>; 3],
-        specular: &mut [Block<u32>; 3],
+        direction: &[LaneBlock<i32>; 3],
+        diffuse: &mut [LaneBlock<u32>; 3],
+        specular: &mut [LaneBlock<u32>; 3],
     ) {
         let PhongLanes { registers: phong, words, .. } = self;
         let PhongLight { diffuse: by_diffuse, specular: by_specular, .. } = phong.lights[number];
@@ -139,9 +139,9 @@ impl PhongLanes {
         };
         let (towards, halfway, direction) = (*towards, *halfway, *direction);
         let ([mut dr, mut dg, mut db], [mut sr, mut sg, mut sb]) = (*diffuse, *specular);
-        for i in 0..BLOCK {
+        for i in 0..BLOCK_LANES {
             // Three products of directions of at most 2^14 stay below 2^30.
-            let cosine = |to: &[Block<i32>; 3]| {
+            let cosine = |to: &[LaneBlock<i32>; 3]| {
                 let dot = direction[0][i] * to[0][i] + direction[1][i] * to[1][i] + direction[2][i] * to[2][i];
                 by_cosine.apply32(if TWO_SIDED { dot.abs() } else { dot.max(0) }).min(one)
             };
@@ -166,7 +166,7 @@ pub fn phong_rows(direction: [Vec<i32>; 3], phong: &Phong, words: &Words) -> [[V
     let row = || vec![0; direction[0].len()];
     let mut rows = [(); 2].map(|()| [row(), row(), row()]);
     blocks(&direction, |from, direction| {
-        let (mut diffuse, mut specular) = ([[0; BLOCK]; 3], [[0; BLOCK]; 3]);
+        let (mut diffuse, mut specular) = ([[0; BLOCK_LANES]; 3], [[0; BLOCK_LANES]; 3]);
         vectorised(
             #[inline(always)]
             || {

@@ -3,11 +3,16 @@
 use super::blocks;
 use crate::golden;
 use cube3_frame::Normaliser;
-use cube3_word::{BLOCK, Block, Words, put_block, vectorised};
+use cube3_word::{BLOCK_LANES, LaneBlock, Words, put_block, vectorised};
 
 /// Directions of a block of gradients; see [`golden::normalise`].
 #[inline(always)]
-pub(super) fn normalise(gradient: &[Block<i32>; 3], table: &Normaliser, words: &Words, out: &mut [Block<i32>; 3]) {
+pub(super) fn normalise(
+    gradient: &[LaneBlock<i32>; 3],
+    table: &Normaliser,
+    words: &Words,
+    out: &mut [LaneBlock<i32>; 3],
+) {
     let root = table.root.as_slice();
     let Some(last) = root.len().checked_sub(1) else {
         return;
@@ -18,7 +23,7 @@ pub(super) fn normalise(gradient: &[Block<i32>; 3], table: &Normaliser, words: &
     let one = 1_u32 << (bits - 1);
     let half = 1_u32 << (bits - 1);
     let [out_u, out_v, out_w] = out;
-    for i in 0..BLOCK {
+    for i in 0..BLOCK_LANES {
         let words = [gradient[0][i], gradient[1][i], gradient[2][i]];
         let (block, _) = floated(words, bits);
         let square = block[0] * block[0] + block[1] * block[1] + block[2] * block[2];
@@ -45,9 +50,14 @@ pub(super) fn floated(gradient: [i32; 3], bits: u32) -> ([u32; 3], u32) {
 
 /// Magnitudes of a block of gradients with their directions; see [`golden::normalise`].
 #[inline(always)]
-pub(super) fn lengths(gradient: &[Block<i32>; 3], direction: &[Block<i32>; 3], words: &Words, out: &mut Block<u32>) {
+pub(super) fn lengths(
+    gradient: &[LaneBlock<i32>; 3],
+    direction: &[LaneBlock<i32>; 3],
+    words: &Words,
+    out: &mut LaneBlock<u32>,
+) {
     let bits = words.normal_bits;
-    for i in 0..BLOCK {
+    for i in 0..BLOCK_LANES {
         let (block, zeros) = floated([gradient[0][i], gradient[1][i], gradient[2][i]], bits);
         let product = |axis: usize| u64::from(block[axis]) * u64::from(direction[axis][i].unsigned_abs());
         out[i] = golden::magnitude(product(0) + product(1) + product(2), zeros, bits);
@@ -60,7 +70,7 @@ pub fn normalise_rows(gradient: [Vec<i32>; 3], table: &Normaliser, words: &Words
     let mut rows = [(); 3].map(|()| vec![0; n]);
     let mut magnitudes = vec![0; n];
     blocks(&gradient, |from, gradient| {
-        let (mut direction, mut magnitude) = ([[0; BLOCK]; 3], [0; BLOCK]);
+        let (mut direction, mut magnitude) = ([[0; BLOCK_LANES]; 3], [0; BLOCK_LANES]);
         vectorised(
             #[inline(always)]
             || {

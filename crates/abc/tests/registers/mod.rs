@@ -12,16 +12,26 @@ use cube3_machine::{
 };
 use cube3_scene::{ColourPoint, Crop, Cut, DepthCue, Layer, Light, Material, Mode, Scene, Threshold, Transfer, View};
 use cube3_word::{Rounding, Words, unit_full};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
 
-/// Numbers that look random (splitmix64).
-pub struct Dice(pub u64);
+/// Numbers that look random, the same for a seed.
+pub struct Dice(ChaCha8Rng);
 
 impl Dice {
+    pub fn new(seed: u64) -> Dice {
+        Dice(ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    /// Numbers of their own for each place.
+    pub fn at(seed: u64, place: u64) -> Dice {
+        let mut dice = Dice::new(seed);
+        dice.0.set_stream(place);
+        dice
+    }
+
     pub fn roll(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
+        self.0.next_u64()
     }
 
     /// From `low` to `high` inclusive; each end once in eight times.

@@ -1,6 +1,7 @@
 //! All modules under the scan of the frame buffer.
 
-use super::{Chooser, MemoryCounters, Module, Place, Served, Timing};
+use super::ticks::Ticks;
+use super::{Chooser, MemoryCounters, Module, Served, Timing, WordPlace};
 use crate::golden::{Placement, Skew};
 use crate::unit::{CfbSpec, Piece, Scan};
 use cube3_channel::{Activity, ClockDomain};
@@ -36,10 +37,7 @@ pub struct Modules {
 /// Where the modules are.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MemoryState {
-    clock: ClockDomain,
-    /// The first tick of this pipeline cycle, and of the next.
-    now: i64,
-    next: i64,
+    ticks: Ticks,
     /// The step that is asked for next.
     ahead: Scan,
     /// When the steps that have been asked for are over.
@@ -97,12 +95,8 @@ impl Modules {
 
     /// The modules at the start of the first of some frames.
     pub fn start(&self, frames: usize) -> MemoryState {
-        let mut clock = self.clock;
-        let next = clock.advance() as i64;
         MemoryState {
-            clock,
-            now: 0,
-            next,
+            ticks: Ticks::new(self.clock),
             ahead: Scan::default(),
             asked: VecDeque::with_capacity(self.most),
             taken: 0,
@@ -167,7 +161,7 @@ impl Modules {
         };
         let holds = |step: &&Step| match self.freed {
             LookAheadFreed::Word => true,
-            LookAheadFreed::Column => step.missing > 0 || step.served.issued >= state.now,
+            LookAheadFreed::Column => step.missing > 0 || step.served.issued >= state.ticks.now,
         };
         let counted = || state.asked.iter().filter(counts);
         state.asked.len() < self.most
@@ -177,9 +171,9 @@ impl Modules {
 
     /// Lets modules that choose issue what they issue in this pipeline cycle.
     fn choose(&self, state: &mut MemoryState) {
-        let MemoryState { choosers, asked, taken, next, counters, .. } = state;
+        let MemoryState { ticks, choosers, asked, taken, counters, .. } = state;
         for chooser in choosers {
-            chooser.advance(&self.timing, *next, counters, |number, served| {
+            chooser.advance(&self.timing, ticks.next, counters, |number, served| {
                 let step = &mut asked[(number - *taken) as usize];
                 step.served = step.served.and(served);
                 step.missing -= 1;
@@ -197,14 +191,14 @@ impl Modules {
         let second = if u[1].is_empty() { None } else { Some(self.row(geometry, [v, w], &u[1])) };
         let rows = || std::iter::once(first).chain(second);
         let base: u64 = (0..3).filter(|&a| a != axis).map(|a| self.terms[a][first.start[a] as usize]).sum();
-        let MemoryState { modules, choosers, counters, ahead, now, asked, taken, .. } = state;
+        let MemoryState { ticks, modules, choosers, counters, ahead, asked, taken, .. } = state;
         let number = *taken + asked.len() as u64;
         if !choosers.is_empty() {
             for Row { start, terms } in rows() {
                 let lowest = self.placement.skew.module(start);
                 for (i, term) in terms.iter().enumerate() {
                     let module = (lowest + i * along) % lanes;
-                    choosers[module].ask(self.timing.place(base + term), *now, number, ahead.frame);
+                    choosers[module].ask(self.timing.place(base + term), ticks.now, number, ahead.frame);
                 }
             }
             return Step { served: Served::AT_ONCE, missing: (u[0].len() + u[1].len()) as u32 };
@@ -216,7 +210,7 @@ impl Modules {
         let level = |row: Row<'_>| row.terms.first() == Some(&term) && row.terms.last() == Some(&term);
         let alike = u[0].len() + u[1].len() == lanes && (no_address || rows().all(level));
         let served = if modules.len() == 1 && alike {
-            let served = modules[0].read(&self.timing, self.timing.place(base + term), *now, &mut counted);
+            let served = modules[0].read(&self.timing, self.timing.place(base + term), ticks.now, &mut counted);
             counted = counted.times(lanes as u64);
             served
         } else {
@@ -229,7 +223,7 @@ impl Modules {
                 let mut module = self.placement.skew.module(start);
                 for term in terms {
                     let place = self.place(base + term);
-                    all = all.and(modules[module].read(&self.timing, place, *now, &mut counted));
+                    all = all.and(modules[module].read(&self.timing, place, ticks.now, &mut counted));
                     module += along;
                     if module >= lanes {
                         module -= lanes;
@@ -244,10 +238,10 @@ impl Modules {
 
     /// Where a word is.
     #[inline(always)]
-    fn place(&self, word: u64) -> Place {
+    fn place(&self, word: u64) -> WordPlace {
         let row = word >> self.timing.row_bits;
         match self.banks.get(row as usize) {
-            Some(&bank) => Place { word, bank: bank as usize, row },
+            Some(&bank) => WordPlace { word, bank: bank as usize, row },
             None => self.timing.place(word),
         }
     }
@@ -277,12 +271,12 @@ impl MemoryState {
     #[inline]
     pub(crate) fn waits(&self) -> Option<Activity> {
         let &Step { served, missing } = self.asked.front()?;
-        if missing == 0 && served.ready < self.next {
+        if missing == 0 && served.ready < self.ticks.next {
             return None;
         }
         let held = self.choosers.iter().filter_map(|chooser| chooser.waits(self.taken));
         let served = if missing > 0 { held.fold(served, Served::and) } else { served };
-        Some(served.activity(self.next - 1))
+        Some(served.activity(self.ticks.next - 1))
     }
 
     /// Takes the words of the step.
@@ -295,8 +289,7 @@ impl MemoryState {
     /// Ends the pipeline cycle.
     #[inline]
     pub(crate) fn end_cycle(&mut self) {
-        self.now = self.next;
-        self.next += self.clock.advance() as i64;
+        self.ticks.end_cycle();
     }
 
     /// What the modules have done, by frame, summed over the modules. Words ahead of the scan are counted when they are asked for.
@@ -381,14 +374,14 @@ mod tests {
             let mut counters = MemoryCounters::default();
             for v in 0..geometry.size[1] {
                 for w in 0..geometry.size[2] {
-                    let expected = read_beam(&modules, &mut each, &geometry, [v, w], state.now, &mut counters);
+                    let expected = read_beam(&modules, &mut each, &geometry, [v, w], state.ticks.now, &mut counters);
                     for (step, expected) in expected.into_iter().enumerate() {
                         let piece = Piece { row: v as u32, columns: [0..geometry.size[0], 0..0] };
                         let voxels = spec.voxels_of_step(&piece, step);
                         prop_assert_eq!(modules.serve(&mut state, &geometry, [v, w], &voxels).served, expected);
                     }
                     prop_assert_eq!(state.counters[0], counters);
-                    state.now += pace;
+                    state.ticks.now += pace;
                 }
             }
         }

@@ -11,7 +11,8 @@
 
 use super::places::{Mini, Round};
 use super::rows::{At, ReorderNeed, along, number, of_voxels, pair, words_of};
-use super::{MemoryCounters, Module, Place, Served, Timing};
+use super::ticks::Ticks;
+use super::{MemoryCounters, Module, Served, Timing, WordPlace};
 use crate::golden::{Placement, Skew};
 use crate::unit::{CfbSpec, Scan};
 use cube3_channel::{Activity, ClockDomain};
@@ -56,10 +57,7 @@ pub struct BlockModules {
 /// Where the modules and the reorder buffer are.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BlockState {
-    clock: ClockDomain,
-    /// The first tick of this pipeline cycle, and of the next.
-    now: i64,
-    next: i64,
+    ticks: Ticks,
     /// The beam whose rows are asked for next, and in `spent` which of them.
     ahead: Scan,
     /// The tick before which each module cannot ask, and the least of them; the end of time where no row is left to ask for, or no room.
@@ -175,8 +173,6 @@ impl BlockModules {
 
     /// The modules at the start of the first of some frames.
     pub fn start(&self, frames: usize) -> BlockState {
-        let mut clock = self.clock;
-        let next = clock.advance() as i64;
         let reader = || Reader {
             module: Module::new(&self.timing),
             row: 0,
@@ -186,9 +182,7 @@ impl BlockModules {
         };
         let pairs = self.minis.iter().map(Vec::len).max().unwrap_or(0);
         BlockState {
-            clock,
-            now: 0,
-            next,
+            ticks: Ticks::new(self.clock),
             ahead: Scan::default(),
             wakes: vec![i64::MIN; self.lanes],
             wake: i64::MIN,
@@ -223,12 +217,12 @@ impl BlockModules {
         if state.held.is_some_and(|held| held != released) {
             state.wake_all();
         }
-        if state.now < state.wake {
+        if state.ticks.now < state.wake {
             return;
         }
         state.wake = i64::MAX;
         for module in 0..self.lanes {
-            if state.wakes[module] <= state.now {
+            if state.wakes[module] <= state.ticks.now {
                 state.wakes[module] = self.ask_of(state, module, frames, specs, released);
             }
             state.wake = state.wake.min(state.wakes[module]);
@@ -246,10 +240,10 @@ impl BlockModules {
     ) -> i64 {
         loop {
             let open = &mut state.readers[module].open;
-            while open.front().is_some_and(|burst| burst.served.ready < state.now) {
+            while open.front().is_some_and(|burst| burst.served.ready < state.ticks.now) {
                 open.pop_front();
             }
-            if let Some(tick) = self.held_until(open, state.now) {
+            if let Some(tick) = self.held_until(open, state.ticks.now) {
                 return tick;
             }
             let Some((place, mini)) = self.next_mini(state, module, frames, specs, released) else {
@@ -395,12 +389,12 @@ impl BlockModules {
         let (bank, row_of_bank) = self.timing.rows.map_or((0, 0), |rows| {
             (at.block as usize & (rows.banks - 1), (at.word + first) >> rows.words.trailing_zeros())
         });
-        let word = |i: u64| Place { word: at.address + first + i, bank, row: row_of_bank };
+        let word = |i: u64| WordPlace { word: at.address + first + i, bank, row: row_of_bank };
         let counters = &mut state.counters[row.frame as usize];
-        let mut served = reader.module.read(&self.timing, word(0), state.now, counters);
+        let mut served = reader.module.read(&self.timing, word(0), state.ticks.now, counters);
         let first_word = served.ready;
         if words > 1 {
-            served = served.and(reader.module.read(&self.timing, word(words - 1), state.now, counters));
+            served = served.and(reader.module.read(&self.timing, word(words - 1), state.ticks.now, counters));
             counters.words += words - 2;
         }
         let arrival = &mut row.arrivals[mini - row.minis[0] as usize];
@@ -450,7 +444,7 @@ impl BlockModules {
                 }
             }
         }
-        waiting.map(|served| served.activity(state.next - 1))
+        waiting.map(|served| served.activity(state.ticks.next - 1))
     }
 
     /// What is waited for, of the mini-blocks of a row from number `first` to number `last`.
@@ -473,7 +467,7 @@ impl BlockModules {
         if row.there > last {
             return None;
         }
-        let next = state.next;
+        let next = state.ticks.next;
         let missing = |row: &Row, mini: u32| {
             let arrival = row.arrivals[mini as usize];
             arrival.missing > 0 || arrival.served.ready >= next
@@ -555,8 +549,7 @@ impl BlockState {
     /// Ends the pipeline cycle.
     #[inline]
     pub(crate) fn end_cycle(&mut self) {
-        self.now = self.next;
-        self.next += self.clock.advance() as i64;
+        self.ticks.end_cycle();
     }
 
     /// What the modules have done, by frame, summed over the modules. Words are counted when they are asked for.

@@ -9,7 +9,7 @@
 //! before it leaves. When a refresh has fallen due, nothing else is issued before it. Commands are decided tick by tick, none is booked ahead.
 
 use super::module::{CLOSED, Column, NEVER};
-use super::{MemoryCounters, Module, Place, Served, Timing};
+use super::{MemoryCounters, Module, Served, Timing, WordPlace};
 use cube3_machine::Command;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -48,8 +48,8 @@ enum Found {
 }
 
 impl Word {
-    fn place(&self) -> Place {
-        Place { word: self.word, bank: self.bank, row: self.row }
+    fn place(&self) -> WordPlace {
+        WordPlace { word: self.word, bank: self.bank, row: self.row }
     }
 }
 
@@ -60,7 +60,7 @@ impl Chooser {
     }
 
     /// Asks for a word at a tick that has not been decided.
-    pub fn ask(&mut self, Place { word, bank, row }: Place, asked: i64, step: u64, frame: u32) {
+    pub fn ask(&mut self, WordPlace { word, bank, row }: WordPlace, asked: i64, step: u64, frame: u32) {
         let word = Word { word, bank, row, asked, step, frame, found: None, refresh_until: NEVER };
         self.queue.push_back(word);
     }

@@ -8,7 +8,7 @@
 use super::activates::Activates;
 use super::calendar::Calendar;
 use super::timing::Delays;
-use super::{MemoryCounters, Place, Timing};
+use super::{MemoryCounters, Timing, WordPlace};
 use cube3_channel::{Activity, Reason};
 use cube3_machine::{Command, MemoryModel};
 use serde::{Deserialize, Serialize};
@@ -215,7 +215,7 @@ impl Module {
 
     /// Reads a word that has been asked for at tick `asked`, behind all words asked for before it.
     #[inline(always)]
-    pub fn read(&mut self, timing: &Timing, at: Place, asked: i64, counters: &mut MemoryCounters) -> Served {
+    pub fn read(&mut self, timing: &Timing, at: WordPlace, asked: i64, counters: &mut MemoryCounters) -> Served {
         counters.words += 1;
         if let Some(served) = self.word_at_output(timing, at, asked) {
             return served;
@@ -227,7 +227,7 @@ impl Module {
 
     /// A word of the burst at the output.
     #[inline(always)]
-    pub(super) fn word_at_output(&self, timing: &Timing, at: Place, asked: i64) -> Option<Served> {
+    pub(super) fn word_at_output(&self, timing: &Timing, at: WordPlace, asked: i64) -> Option<Served> {
         let Burst { start, data, row_until } = self.output;
         let ready = asked.max(data + timing.behind(at.word, start));
         self.holds(timing, at).then_some(Served { ready, issued: NEVER, row_until, refresh_until: NEVER })
@@ -235,7 +235,7 @@ impl Module {
 
     /// The burst of a read goes to the output.
     #[inline(always)]
-    pub(super) fn read_out(&mut self, timing: &Timing, at: Place, column: &Column) -> Served {
+    pub(super) fn read_out(&mut self, timing: &Timing, at: WordPlace, column: &Column) -> Served {
         let data = column.tick + timing.latency;
         let row_until = if column.opened { data } else { NEVER };
         if timing.burst > 1 {
@@ -257,12 +257,12 @@ impl Module {
 
     /// Whether the burst of a word is at the output.
     #[inline(always)]
-    fn holds(&self, timing: &Timing, at: Place) -> bool {
+    fn holds(&self, timing: &Timing, at: WordPlace) -> bool {
         (at.word ^ self.output.start) < timing.burst as u64 && timing.burst > 1
     }
 
     /// Writes a word that has been brought at tick `asked`, behind all words asked for before it. `ready` is the tick of the write.
-    pub fn write(&mut self, timing: &Timing, at: Place, asked: i64, counters: &mut MemoryCounters) -> Served {
+    pub fn write(&mut self, timing: &Timing, at: WordPlace, asked: i64, counters: &mut MemoryCounters) -> Served {
         counters.writes += 1;
         if self.holds(timing, at) {
             self.output.start = u64::MAX;
@@ -278,7 +278,7 @@ impl Module {
         &mut self,
         timing: &Timing,
         command: Command,
-        Place { bank, row, .. }: Place,
+        WordPlace { bank, row, .. }: WordPlace,
         asked: i64,
         counters: &mut MemoryCounters,
     ) -> Column {

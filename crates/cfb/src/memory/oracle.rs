@@ -77,7 +77,7 @@ impl Plain<'_> {
         tick
     }
 
-    fn serve(&mut self, command: Command, at: Place, asked: i64) -> Result {
+    fn serve(&mut self, command: Command, at: WordPlace, asked: i64) -> Result {
         let burst = self.timing.burst as u64;
         let place = |start: u64| {
             let (word, start) = (at.word % burst, start % burst);

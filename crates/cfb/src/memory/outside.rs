@@ -53,7 +53,7 @@ fn backward(n: u64) -> impl Iterator<Item = u64> {
 fn stream_by_tick(timing: &Timing, addresses: impl Iterator<Item = u64>) -> i64 {
     let (mut module, mut counters) = (Module::new(timing), MemoryCounters::default());
     let mut addresses = addresses.peekable();
-    let (mut queue, mut leaving) = (VecDeque::<Place>::new(), VecDeque::<i64>::new());
+    let (mut queue, mut leaving) = (VecDeque::<WordPlace>::new(), VecDeque::<i64>::new());
     let (mut tick, mut last) = (0, 0);
     while addresses.peek().is_some() || !queue.is_empty() || !leaving.is_empty() {
         module.calendar.forget(timing, tick.min(module.refresh_due));
@@ -75,7 +75,7 @@ fn stream_by_tick(timing: &Timing, addresses: impl Iterator<Item = u64>) -> i64 
         }
         let (mut claimed, mut read) = (0_u32, false);
         for (i, &at) in queue.iter().enumerate() {
-            let Place { bank, row, .. } = at;
+            let WordPlace { bank, row, .. } = at;
             let command = match module.open_row(bank) {
                 open if open == row => Command::Read,
                 CLOSED => Command::Activate,

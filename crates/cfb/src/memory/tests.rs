@@ -268,7 +268,7 @@ fn sdram_in_sequence_gives_a_word_a_tick_but_for_refresh() {
     assert!(opened <= 10, "{opened}");
 }
 
-/// Words at random, of 2²⁴, from a generator that gives the same at every place.
+/// Words at random, of 2²⁴: those whose ticks outside simulators were asked for, so that the generator is theirs, a linear congruence.
 pub(super) fn random(words: usize) -> impl Iterator<Item = u64> {
     let mut state = 1_u64;
     std::iter::repeat_with(move || {

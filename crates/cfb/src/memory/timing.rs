@@ -44,7 +44,7 @@ pub struct Timing {
 
 /// Where a word is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct WordPlace {
     /// Its number in the module.
     pub word: u64,
     /// The bank, 0 where there is but one.
@@ -174,9 +174,9 @@ impl Timing {
 
     /// Where a word is whose bank follows from its number alone.
     #[inline(always)]
-    pub fn place(&self, word: u64) -> Place {
+    pub fn place(&self, word: u64) -> WordPlace {
         let row = if self.rows.is_some() { word >> self.row_bits } else { 0 };
-        Place { word, bank: self.bank(row), row }
+        WordPlace { word, bank: self.bank(row), row }
     }
 
     /// Ticks from the first word of a burst to another, where the burst starts at `start`.

@@ -5,7 +5,7 @@
 
 use super::{Checked, differs, follows, length, range, ranges as each_in_range, ranges_at};
 use crate::perspective::MARGIN;
-use crate::{Fan, Geometry, Perspective, SLOPE_FRACTION_BITS};
+use crate::{Fan, Geometry, PerspectivePass, SLOPE_FRACTION_BITS};
 
 const RAYS: &str = "the places and slopes of the rays";
 
@@ -34,7 +34,7 @@ pub(super) fn follows_from_rays(
     fan: &Fan,
     path: &str,
     geometry: &Geometry,
-    pass: &Perspective,
+    pass: &PerspectivePass,
     columns: usize,
 ) -> Checked {
     rays(fan, path, pass)?;
@@ -69,7 +69,7 @@ pub(super) fn follows_from_rays(
 
 /// The rays that may have samples: all, or all but the last in a fan that ends because its rays are too steep. Where the last ray is as
 /// steep as they come, to the rounding of the registers, it may be either.
-fn whole(fan: &Fan, pass: &Perspective) -> impl Iterator<Item = usize> {
+fn whole(fan: &Fan, pass: &PerspectivePass) -> impl Iterator<Item = usize> {
     let (count, margin) = (fan.count(), MARGIN as i64 + i64::from(pass.most_reach) + i64::from(pass.overlap));
     let beyond = fan.slopes[count - 1] - ((1 << SLOPE_FRACTION_BITS) + margin * pass.spacing[1]);
     let rounded = margin / 2 + 2;
@@ -83,7 +83,7 @@ fn follow<T: PartialEq + std::fmt::Debug>(field: impl Fn() -> String, value: T, 
 }
 
 /// Rays are one spacing apart, and cross the grid plane at whole numbers.
-fn rays(fan: &Fan, path: &str, pass: &Perspective) -> Checked {
+fn rays(fan: &Fan, path: &str, pass: &PerspectivePass) -> Checked {
     let one = 1_i128 << SLOPE_FRACTION_BITS;
     let away = i128::from(pass.grid_plane) - pass.first_depth as i128 * one;
     // To the rounding of place, slope and plane; places on the base plane are whole.
@@ -118,7 +118,7 @@ fn rays(fan: &Fan, path: &str, pass: &Perspective) -> Checked {
 }
 
 /// The last ray of a fan alone, with the neighbour that explains most of its entries.
-fn last_ray(fan: &Fan, geometry: &Geometry, pass: &Perspective) -> Fan {
+fn last_ray(fan: &Fan, geometry: &Geometry, pass: &PerspectivePass) -> Fan {
     let (shape, last) = (geometry.fan_shape(), fan.count() - 1);
     let [start, slope] = [fan.starts[last], fan.slopes[last]];
     let with_next = |by: [i64; 2]| {

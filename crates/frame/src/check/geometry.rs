@@ -2,7 +2,7 @@
 
 use super::{Checked, absent, choice, fans, follows, length, list_follows, present, range, ranges_at};
 use crate::perspective::{OVERLAP, largest_offset};
-use crate::{FrameSetup, Geometry, LARGEST_SIDE, Perspective, SLOPE_FRACTION_BITS, Template};
+use crate::{FrameSetup, Geometry, LARGEST_SIDE, PerspectivePass, SLOPE_FRACTION_BITS, Template};
 use cube3_machine::RaySlots;
 
 /// One as a slope.
@@ -61,7 +61,7 @@ fn parallel(geometry: &Geometry) -> Checked {
     Ok(())
 }
 
-fn perspective(geometry: &Geometry, pass: &Perspective, rays_near: bool) -> Checked {
+fn perspective(geometry: &Geometry, pass: &PerspectivePass, rays_near: bool) -> Checked {
     let from = "rays that are in perspective";
     follows("geometry.slots", geometry.slots, RaySlots::Padded, from)?;
     for (i, slope) in geometry.slopes.into_iter().enumerate() {
@@ -91,7 +91,7 @@ fn perspective(geometry: &Geometry, pass: &Perspective, rays_near: bool) -> Chec
 }
 
 /// The grid plane, the distances between rays, and what depends on how near the eye is.
-fn grid(pass: &Perspective, depths: usize, rays_near: bool) -> Checked {
+fn grid(pass: &PerspectivePass, depths: usize, rays_near: bool) -> Checked {
     let field = |name: &str| format!("geometry.perspective.{name}");
     let planes = depths as i64;
     let [first, step] = pass.spacing;
@@ -132,7 +132,7 @@ fn grid(pass: &Perspective, depths: usize, rays_near: bool) -> Checked {
 }
 
 /// The largest slope of a ray: 1, and as many rays more as pictures and gradients need.
-fn steepest(pass: &Perspective) -> i64 {
+fn steepest(pass: &PerspectivePass) -> i64 {
     ONE + (i64::from(pass.most_reach) + i64::from(pass.overlap) + 3) * (pass.spacing[1] + 1)
 }
 

@@ -1,7 +1,7 @@
 //! What differs from ray to ray in perspective, and the ends of rays.
 
 use super::{Checked, absent, choice, length, list_follows, present, range, ranges, triples};
-use crate::{EndRegisters, Fan, FrameSetup, GradientScale, Perspective, RayRegisters, Shading};
+use crate::{EndRegisters, Fan, FrameSetup, GradientScale, PerspectivePass, RayRegisters, Shading};
 
 /// Largest component of a view vector.
 const MOST_VIEW: i32 = 1 << 28;
@@ -20,7 +20,7 @@ pub(super) fn check(setup: &FrameSetup) -> Checked {
 }
 
 /// View vectors and slopes, a register for each ray of an axis.
-fn by_ray(rays: &RayRegisters, pass: &Perspective) -> Checked {
+fn by_ray(rays: &RayRegisters, pass: &PerspectivePass) -> Checked {
     let from = "the rays of geometry.perspective";
     for (name, view, fan) in [("view_u", &rays.view_u, &pass.u), ("view_v", &rays.view_v, &pass.v)] {
         let path = format!("rays.{name}");
@@ -57,7 +57,7 @@ fn lengths(rays: &RayRegisters) -> Checked {
 }
 
 /// What follows from the distance between rays at a depth.
-fn by_depth(rays: &RayRegisters, pass: &Perspective, setup: &FrameSetup) -> Checked {
+fn by_depth(rays: &RayRegisters, pass: &PerspectivePass, setup: &FrameSetup) -> Checked {
     let (depths, offset, bits) = (setup.geometry.size[2], setup.geometry.offset, setup.geometry.weight_bits);
     let from = "geometry.perspective and geometry.offset";
     let registers = |i: usize| {

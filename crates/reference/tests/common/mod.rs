@@ -8,16 +8,14 @@ pub mod turn;
 use cube3_scene::{Image, Material, Mode, Scene, Transfer, View, corrected_opacity};
 use cube3_volume::Volume;
 use glam::DVec3;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
 
 /// A number 0 to 1 that looks random, from coordinates and a seed.
 pub fn hash(seed: u64, at: [usize; 3]) -> f64 {
-    let mut state = seed ^ 0x9e37_79b9_7f4a_7c15;
-    for coordinate in at {
-        state = (state ^ coordinate as u64).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        state ^= state >> 29;
-    }
-    state = state.wrapping_mul(0x94d0_49bb_1331_11eb);
-    (state >> 11) as f64 / (1_u64 << 53) as f64
+    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+    generator.set_stream(at.iter().rev().fold(0, |place, &coordinate| place << 20 | coordinate as u64));
+    (generator.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }
 
 /// Noise from 0 to 255.

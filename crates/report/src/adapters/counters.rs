@@ -16,7 +16,7 @@ pub fn unit_reports(counters: &RunCounters) -> Vec<UnitReport> {
         blocked: account.blocked,
         waiting: Reason::ALL
             .iter()
-            .map(|(reason, name)| ((*name).to_owned(), account.waiting[*reason as usize]))
+            .map(|&reason| (reason.name().to_owned(), account.waiting[reason as usize]))
             .filter(|(_, cycles)| *cycles > 0)
             .collect(),
     };

@@ -120,10 +120,9 @@ pub fn study(scene: &Scene, machine: &MachineSpec, volume: &LoadedVolume, option
 /// # Errors
 /// An error that is not finite.
 pub fn front(rows: &[Row], of: &[usize], aim: Aim) -> Outcome<Vec<usize>> {
-    // The front is that of a diagram of time and error: here the cost is what is paid.
     let point = |&index: &usize| {
         let measured = &rows[index].measured;
-        WorkPrecision { time_s: measured.cost.total_bits() as f64, error: measured.error(aim) }
+        WorkPrecision { cost: measured.cost.total_bits() as f64, error: measured.error(aim) }
     };
     let points: Vec<WorkPrecision> = of.iter().map(point).collect();
     let mut kept: Vec<usize> = Vec::new();

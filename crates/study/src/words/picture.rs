@@ -17,7 +17,7 @@ use cube3_method::{Choice, METHODS, SHEARED, Subject};
 use cube3_metrics::{compare, footprint, mean_angle_deg};
 use cube3_picture::Picture;
 use cube3_scene::{Scene, corrected_opacity};
-use cube3_twin::{Interpolation, RaySamples};
+use cube3_twin::{RealSamples, SampleCell};
 use cube3_volume::{NonFiniteRule, VoxelWords, WordConversion, WordRounding};
 use cube3_word::Rounding;
 use rayon::prelude::*;
@@ -341,7 +341,7 @@ fn angles(mut found: Vec<f64>) -> Angles {
 fn points(scene: &Scene, machine: &MachineSpec, volume: &LoadedVolume, setup: &FrameSetup) -> Outcome<Vec<Point>> {
     let (geometry, method) = (&setup.geometry, machine.abc.gradient);
     let [low, high] = volume.words.window;
-    let samples = RaySamples::new(&volume.data, geometry, Interpolation::Sheared, low)?;
+    let samples = RealSamples::new(&volume.data, geometry, SampleCell::Sheared, low)?;
     let length = if scene.transfer.opacity_correction { step_length(geometry, volume.data.spacing) } else { 1.0 };
     let bounds = scene.threshold.as_ref().map_or((None, None), |threshold| (threshold.low, threshold.high));
     let opacity = |ray: DiscreteRay, k: usize| {

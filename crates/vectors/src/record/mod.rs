@@ -12,7 +12,7 @@ mod traffic;
 pub use error::RecordError;
 pub use run::{Excerpt, Run};
 
-use crate::{Format, Set, Tables, Unit, Vectors};
+use crate::{Set, Tables, Unit, UnitFormat, Vectors};
 use channel::{channel, cycles};
 use cube3_frame::{FrameSetup, Shading};
 use std::ops::ControlFlow::{Break, Continue};
@@ -129,9 +129,9 @@ fn check(set: &Set, line: usize, inputs: &[i128]) -> Result<(), RecordError> {
 }
 
 /// The format of a unit in a frame.
-fn format(run: &Run<'_>, setup: &FrameSetup, unit: &str) -> Format {
+fn format(run: &Run<'_>, setup: &FrameSetup, unit: &str) -> UnitFormat {
     let machine = run.machine;
-    let mut format = Format { words: setup.words, ..Format::of(machine) };
+    let mut format = UnitFormat { words: setup.words, ..UnitFormat::of(machine) };
     format.lanes = if unit == "cone" { setup.cone.leaves } else { machine.lanes } as u32;
     format.dims = run.dims.map(|n| n as u32);
     if let Some(scale) = setup.gradient.and_then(|registers| registers.scale) {
@@ -154,7 +154,7 @@ fn format(run: &Run<'_>, setup: &FrameSetup, unit: &str) -> Format {
 }
 
 /// The contents of a unit's tables in a frame.
-fn tables(setup: &FrameSetup, name: &str, unit: &dyn Unit, format: &Format) -> Tables {
+fn tables(setup: &FrameSetup, name: &str, unit: &dyn Unit, format: &UnitFormat) -> Tables {
     let words = |table: &[u32]| table.iter().map(|&entry| entry.into()).collect::<Vec<i128>>();
     let packed = |table: &[[u32; 3]], bits: u32| {
         let pack = |entry: &[u32; 3]| (0..3).map(|i| i128::from(entry[i]) << (bits * i as u32)).sum();

@@ -1,7 +1,7 @@
 //! Lines of the units of arithmetic and addressing in a frame.
 
 use super::run::Run;
-use cube3_abc::golden::{Light, Local, Neighbourhood, Stages};
+use cube3_abc::golden::{Local, Neighbourhood, ReflectedLight, Stages};
 use cube3_cfb::golden::Skew;
 use cube3_cfb::{FrameBuffer, FrameBufferError, Piece, scan};
 use cube3_cone::golden::{Node, Segment, combine};
@@ -353,7 +353,7 @@ fn phong_line(normal: [i32; 3], phong: &Phong, towards: &[[[i32; 3]; 2]]) -> Vec
     line
 }
 
-fn lit_line(colour: [u32; 3], light: Light) -> Vec<i128> {
+fn lit_line(colour: [u32; 3], light: ReflectedLight) -> Vec<i128> {
     let mut line = colour.map(i128::from).to_vec();
     fields(&mut line, &light.diffuse);
     fields(&mut line, &light.specular);

@@ -1,16 +1,16 @@
 //! The fast bus as a rotation of a beam.
 
 use crate::unit::Reader;
-use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
+use crate::{Port, Sheet, Tables, Unit, UnitFormat, Wire, WireKind, WireRecorder};
 use cube3_dsb::Rotator;
 use cube3_dsb::golden::{turn, turned};
 use cube3_frame::{Axes, Geometry};
 use cube3_machine::{RaySlots, TemplateRule};
 
 /// The rotation.
-pub struct Bus;
+pub struct BusSheet;
 
-impl Unit for Bus {
+impl Unit for BusSheet {
     fn sheet(&self) -> Sheet {
         Sheet {
             name: "bus",
@@ -29,7 +29,7 @@ impl Unit for Bus {
             tables: Vec::new(),
             wires: vec![
                 Wire::new("difference", "slot of voxel 0, (0 − column) mod LANES, − row", "-(LANES - 1)", "LANES - 1"),
-                Wire::new("rotation", "difference mod LANES, not negative", "0", "LANES - 1").made_by(Kind::Cases),
+                Wire::new("rotation", "difference mod LANES, not negative", "0", "LANES - 1").made_by(WireKind::Cases),
             ],
             outputs: vec![
                 Port::unsigned("rotation", "12", "how far the beam turns"),
@@ -39,7 +39,7 @@ impl Unit for Bus {
         }
     }
 
-    fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, format: &UnitFormat, _: &Tables, inputs: &[i128], probe: &mut WireRecorder) -> Vec<i128> {
         let mut fields = Reader::new(inputs);
         let lanes = format.lanes as usize;
         let [row, column] = fields.words().map(|i: u32| i as usize);
@@ -50,7 +50,7 @@ impl Unit for Bus {
     }
 
     /// Every row and column of a machine with few lanes.
-    fn corners(&self, format: &Format) -> Vec<Vec<i128>> {
+    fn corners(&self, format: &UnitFormat) -> Vec<Vec<i128>> {
         let lanes = i128::from(format.lanes.min(16));
         let line = |row, column| [row, column].into_iter().chain(0..i128::from(format.lanes)).collect::<Vec<i128>>();
         let mask = (1 << format.words.voxel_bits) - 1;
@@ -62,11 +62,11 @@ impl Unit for Bus {
             .collect()
     }
 
-    fn formats(&self) -> Vec<Format> {
-        [1, 2, 5, 8, 16].map(|lanes| Format { lanes, ..Format::default() }).to_vec()
+    fn formats(&self) -> Vec<UnitFormat> {
+        [1, 2, 5, 8, 16].map(|lanes| UnitFormat { lanes, ..UnitFormat::default() }).to_vec()
     }
 
-    fn lanes(&self, format: &Format, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+    fn lanes(&self, format: &UnitFormat, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
         let n = format.lanes as usize;
         let axes = Axes { axis: [0, 1, 2], reversed: [false; 3] };
         let rotator = Rotator { lanes: n };

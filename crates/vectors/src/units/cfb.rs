@@ -1,15 +1,15 @@
 //! The address generator of the cubic frame buffer.
 
 use crate::unit::Reader;
-use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
+use crate::{Port, Sheet, Tables, Unit, UnitFormat, Wire, WireKind, WireRecorder};
 use cube3_cfb::FrameBuffer;
 use cube3_cfb::golden::{Placement, Skew};
 use cube3_machine::Layout;
 
 /// The frame buffer's addresses.
-pub struct Cfb;
+pub struct CfbSheet;
 
-fn placement(format: &Format) -> Placement {
+fn placement(format: &UnitFormat) -> Placement {
     Placement {
         skew: Skew { coefficients: format.skew, lanes: format.lanes as usize },
         layout: format.layout,
@@ -17,7 +17,7 @@ fn placement(format: &Format) -> Placement {
     }
 }
 
-impl Unit for Cfb {
+impl Unit for CfbSheet {
     fn sheet(&self) -> Sheet {
         Sheet {
             name: "cfb",
@@ -39,7 +39,7 @@ impl Unit for Cfb {
             tables: Vec::new(),
             wires: vec![
                 Wire::new("sum", "a·x + b·y + c·z, or of mini-blocks", "SKEW_LOW", "SKEW_HIGH"),
-                Wire::new("module", "sum mod LANES, not negative", "0", "LANES - 1").made_by(Kind::Cases),
+                Wire::new("module", "sum mod LANES, not negative", "0", "LANES - 1").made_by(WireKind::Cases),
                 Wire::new("term", "what x, y and z add to the address", "0", "TERM").times("3").loose(),
                 Wire::new("address", "the sum of the terms", "0", "TERM").loose(),
             ],
@@ -51,7 +51,7 @@ impl Unit for Cfb {
         }
     }
 
-    fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, format: &UnitFormat, _: &Tables, inputs: &[i128], probe: &mut WireRecorder) -> Vec<i128> {
         let xyz: [u32; 3] = Reader::new(inputs).words();
         let placement = placement(format);
         let module = placement.module_wires(xyz.map(|i| i as usize), probe);
@@ -59,7 +59,7 @@ impl Unit for Cfb {
         vec![module as i128, address as i128]
     }
 
-    fn lanes(&self, format: &Format, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+    fn lanes(&self, format: &UnitFormat, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
         let Placement { skew, layout, dims } = placement(format);
         let buffer = FrameBuffer::with_layout(skew, layout, dims, &[]).ok()?;
         let answer = |inputs: &Vec<i128>| {
@@ -70,16 +70,16 @@ impl Unit for Cfb {
     }
 
     /// Every voxel of a volume that has few.
-    fn corners(&self, format: &Format) -> Vec<Vec<i128>> {
+    fn corners(&self, format: &UnitFormat) -> Vec<Vec<i128>> {
         let [nx, ny, nz] = format.dims.map(|n| i128::from(n.min(9)));
         (0..nx).flat_map(|x| (0..ny).flat_map(move |y| (0..nz).map(move |z| vec![x, y, z]))).step_by(3).collect()
     }
 
-    fn formats(&self) -> Vec<Format> {
-        let format = |lanes, dims, skew, layout| Format { lanes, dims, skew, layout, ..Format::default() };
+    fn formats(&self) -> Vec<UnitFormat> {
+        let format = |lanes, dims, skew, layout| UnitFormat { lanes, dims, skew, layout, ..UnitFormat::default() };
         let [rows, blocks, mini_blocks] = Layout::ALL;
         vec![
-            Format::default(),
+            UnitFormat::default(),
             format(8, [16, 16, 16], [1, 1, 1], blocks),
             format(5, [7, 11, 9], [1, 1, 1], rows),
             format(6, [13, 5, 10], [2, 1, 1], rows),

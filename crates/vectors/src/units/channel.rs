@@ -1,12 +1,12 @@
 //! The bounded channel, cycle by cycle.
 
-use crate::{Device, Format, Port, Recorder, Sheet, Tables, Unit};
+use crate::{Device, Port, Sheet, Tables, Unit, UnitFormat, WireRecorder};
 use cube3_channel::Channel as GoldenChannel;
 
 /// The channel.
-pub struct Channel;
+pub struct ChannelSheet;
 
-impl Unit for Channel {
+impl Unit for ChannelSheet {
     fn sheet(&self) -> Sheet {
         Sheet {
             name: "channel",
@@ -37,12 +37,12 @@ impl Unit for Channel {
     }
 
     /// A cycle of an empty channel; what a channel answers depends on the cycles before: see [`Unit::start`].
-    fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], _: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, format: &UnitFormat, _: &Tables, inputs: &[i128], _: &mut WireRecorder) -> Vec<i128> {
         self.start(format).map_or_else(Vec::new, |mut device| device(inputs))
     }
 
     /// Bursts: full, empty, full rate, and each rate of one side against the other.
-    fn corners(&self, format: &Format) -> Vec<Vec<i128>> {
+    fn corners(&self, format: &UnitFormat) -> Vec<Vec<i128>> {
         let burst = i128::from(format.capacity + format.latency + 2);
         let mut lines = Vec::new();
         let mut token = 1;
@@ -56,12 +56,12 @@ impl Unit for Channel {
         lines
     }
 
-    fn formats(&self) -> Vec<Format> {
+    fn formats(&self) -> Vec<UnitFormat> {
         let sizes = [(1, 1), (1, 3), (2, 1), (3, 2), (4, 2), (4, 3), (8, 6), (18, 16)];
-        sizes.map(|(capacity, latency)| Format { capacity, latency, ..Format::default() }).to_vec()
+        sizes.map(|(capacity, latency)| UnitFormat { capacity, latency, ..UnitFormat::default() }).to_vec()
     }
 
-    fn start<'a>(&'a self, format: &'a Format) -> Option<Device<'a>> {
+    fn start<'a>(&'a self, format: &'a UnitFormat) -> Option<Device<'a>> {
         let mut channel =
             GoldenChannel::new("channel", format.capacity.max(1) as usize, u64::from(format.latency.max(1)));
         Some(Box::new(move |inputs| {

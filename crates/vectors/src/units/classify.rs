@@ -2,14 +2,14 @@
 
 use super::contents::{colour, colours, words};
 use crate::unit::Reader;
-use crate::{Format, Kind, Port, Recorder, Sheet, Table, Tables, Unit, Wire, word_formats};
+use crate::{Port, Sheet, Table, Tables, Unit, UnitFormat, Wire, WireKind, WireRecorder, word_formats};
 use cube3_abc::golden::TableAddresses;
 use cube3_abc::lanes::{ClassifyLanes, ShadedBlock};
 use cube3_frame::{Classification, GradientRows};
 use cube3_word::unit_full;
 
 /// Classification.
-pub struct Classify;
+pub struct ClassifySheet;
 
 /// The fields of a line.
 struct Line {
@@ -38,7 +38,7 @@ fn answer(visible: bool, opacity: u32, colour: [u32; 3]) -> Vec<i128> {
     vec![visible.into(), opacity.into(), red, green, blue]
 }
 
-impl Unit for Classify {
+impl Unit for ClassifySheet {
     fn sheet(&self) -> Sheet {
         Sheet {
             name: "classify",
@@ -81,10 +81,10 @@ impl Unit for Classify {
                 },
             ],
             wires: vec![
-                Wire::new("visible", "lowest ≤ sample ≤ highest", "0", "1").made_by(Kind::Cases),
+                Wire::new("visible", "lowest ≤ sample ≤ highest", "0", "1").made_by(WireKind::Cases),
                 Wire::new("index", "sample / 2^(S − T), bits below dropped", "0", "M / 2^(S - T)"),
                 Wire::new("shifted", "magnitude / 2^row_shift, bits below dropped", "0", "2^G"),
-                Wire::new("row", "shifted, held in the table", "0", "ROWS - 1").made_by(Kind::Held {
+                Wire::new("row", "shifted, held in the table", "0", "ROWS - 1").made_by(WireKind::Held {
                     of: "shifted",
                     low: "0",
                     high: "ROWS - 1",
@@ -105,7 +105,7 @@ impl Unit for Classify {
         }
     }
 
-    fn evaluate(&self, format: &Format, tables: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, format: &UnitFormat, tables: &Tables, inputs: &[i128], probe: &mut WireRecorder) -> Vec<i128> {
         let Line { sample, magnitude, class, threshold, row_shift } = Line::new(inputs);
         let addresses = TableAddresses {
             threshold,
@@ -121,7 +121,7 @@ impl Unit for Classify {
         }
     }
 
-    fn tables(&self, format: &Format) -> Tables {
+    fn tables(&self, format: &UnitFormat) -> Tables {
         let entries = 1 << format.words.table_bits;
         let opacities = entries * (format.rows * format.classes) as usize;
         let full = unit_full(format.words.opacity_bits);
@@ -129,19 +129,19 @@ impl Unit for Classify {
     }
 
     /// One row and four, one class and two, on tables of at most 2^10 entries.
-    fn formats(&self) -> Vec<Format> {
+    fn formats(&self) -> Vec<UnitFormat> {
         let formats = word_formats().into_iter().enumerate();
         formats
             .map(|(i, mut format)| {
                 format.words.table_bits = format.words.table_bits.min(10);
                 let (rows, classes) = [(1, 1), (4, 2), (4, 1), (1, 2)][i % 4];
-                Format { rows, classes, ..format }
+                UnitFormat { rows, classes, ..format }
             })
-            .chain([Format::default()])
+            .chain([UnitFormat::default()])
             .collect()
     }
 
-    fn lanes(&self, format: &Format, tables: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+    fn lanes(&self, format: &UnitFormat, tables: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
         let words = &format.words;
         let mut table = Classification {
             threshold: [0; 2],

@@ -1,11 +1,11 @@
 //! Cut planes and the crop box.
 
 use crate::unit::Reader;
-use crate::{Format, Port, Recorder, Sheet, Tables, Unit, Wire};
+use crate::{Port, Sheet, Tables, Unit, UnitFormat, Wire, WireRecorder};
 use cube3_frame::{HalfSpace, Linear};
 
 /// A half-space.
-pub struct Clip;
+pub struct ClipSheet;
 
 /// The sample u, v, k of a line, and the distance.
 fn line(inputs: &[i128]) -> ([i64; 3], Linear) {
@@ -14,7 +14,7 @@ fn line(inputs: &[i128]) -> ([i64; 3], Linear) {
     ([field(), field(), field()], Linear { u: field(), v: field(), k: field(), constant: field() })
 }
 
-impl Unit for Clip {
+impl Unit for ClipSheet {
     fn sheet(&self) -> Sheet {
         Sheet {
             name: "clip",
@@ -50,13 +50,13 @@ impl Unit for Clip {
         }
     }
 
-    fn evaluate(&self, _: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, _: &UnitFormat, _: &Tables, inputs: &[i128], probe: &mut WireRecorder) -> Vec<i128> {
         let ([u, v, k], distance) = line(inputs);
         vec![(distance.at_wires(u, v, k, probe) >= 0).into()]
     }
 
     /// Samples beside the plane and on it.
-    fn corners(&self, _: &Format) -> Vec<Vec<i128>> {
+    fn corners(&self, _: &UnitFormat) -> Vec<Vec<i128>> {
         let mut noise = super::contents::Noise::new(4);
         let mut between = |low: i128, high: i128| low + noise.up_to(high - low);
         let mut beside = |distance: i128| {
@@ -68,7 +68,7 @@ impl Unit for Clip {
         (0..8).flat_map(|_| [-1, 0, 1].map(&mut beside)).collect()
     }
 
-    fn lanes(&self, _: &Format, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+    fn lanes(&self, _: &UnitFormat, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
         let answer = |inputs: &Vec<i128>| {
             let ([u, v, k], distance) = line(inputs);
             // The rays of a row that are kept, the line's in their midst.
@@ -79,7 +79,7 @@ impl Unit for Clip {
     }
 
     /// No word of the machine enters it.
-    fn formats(&self) -> Vec<Format> {
-        vec![Format::default()]
+    fn formats(&self) -> Vec<UnitFormat> {
+        vec![UnitFormat::default()]
     }
 }

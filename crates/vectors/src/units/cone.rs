@@ -2,7 +2,7 @@
 
 use super::modes::{MODE, legal};
 use crate::unit::Reader;
-use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
+use crate::{Port, Sheet, Tables, Unit, UnitFormat, Wire, WireKind, WireRecorder};
 use cube3_cone::golden::{Node, Segment, circle, tree};
 use cube3_frame::{ConeRegisters, DiscreteRay};
 use cube3_machine::ConeOrder;
@@ -13,7 +13,7 @@ use cube3_word::Probe;
 const RAYS: usize = 3;
 
 /// The cone.
-pub struct Cone;
+pub struct ConeSheet;
 
 /// A line: mode, start, the nodes of the leaves by their places on the circle, and their rays.
 struct Slot {
@@ -52,7 +52,7 @@ impl Slot {
     }
 }
 
-impl Unit for Cone {
+impl Unit for ConeSheet {
     fn sheet(&self) -> Sheet {
         Sheet {
             name: "cone",
@@ -77,7 +77,7 @@ impl Unit for Cone {
                     .within("0", "min(2, LANES - 1)"),
             ],
             tables: Vec::new(),
-            wires: vec![Wire::new("rays", "rays of the slot", "1", "min(3, LANES)").made_by(Kind::Cases)],
+            wires: vec![Wire::new("rays", "rays of the slot", "1", "min(3, LANES)").made_by(WireKind::Cases)],
             outputs: vec![
                 Port::unsigned("count", "2", "rays that have a leaf"),
                 Port::unsigned("seg_present", "1", "whether a ray has anything").times("3"),
@@ -89,7 +89,7 @@ impl Unit for Cone {
         }
     }
 
-    fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, format: &UnitFormat, _: &Tables, inputs: &[i128], probe: &mut WireRecorder) -> Vec<i128> {
         let leaves = format.lanes as usize;
         let slot = Slot::new(inputs, leaves);
         let cone = ConeRegisters { mode: slot.mode, order: ConeOrder::Tree, leaves, opaque: 1, sum_weight: 0 };
@@ -105,7 +105,7 @@ impl Unit for Cone {
         Slot::outputs(&(0..rays).map(node).collect::<Vec<Node>>())
     }
 
-    fn legalise(&self, format: &Format, inputs: &mut [i128]) {
+    fn legalise(&self, format: &UnitFormat, inputs: &mut [i128]) {
         let n = format.lanes as usize;
         let (mode, start) = (inputs[0], inputs[1] as usize);
         let (nodes, rays) = inputs.split_at_mut(2 + 6 * n);
@@ -127,13 +127,13 @@ impl Unit for Cone {
         }
     }
 
-    fn formats(&self) -> Vec<Format> {
-        let few = crate::unit::word_formats().into_iter().map(|format| Format { lanes: 4, ..format });
-        let base = Format::default();
-        few.chain([1, 2, 3, 5, 8, 16].map(|lanes| Format { lanes, ..base })).collect()
+    fn formats(&self) -> Vec<UnitFormat> {
+        let few = crate::unit::word_formats().into_iter().map(|format| UnitFormat { lanes: 4, ..format });
+        let base = UnitFormat::default();
+        few.chain([1, 2, 3, 5, 8, 16].map(|lanes| UnitFormat { lanes, ..base })).collect()
     }
 
-    fn lanes(&self, format: &Format, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+    fn lanes(&self, format: &UnitFormat, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
         let leaves = format.lanes as usize;
         let line = |inputs: &Vec<i128>| {
             let slot = Slot::new(inputs, leaves);

@@ -2,14 +2,14 @@
 
 use super::frame::{coloured, shaded};
 use crate::unit::Reader;
-use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
+use crate::{Port, Sheet, Tables, Unit, UnitFormat, Wire, WireKind, WireRecorder};
 use cube3_abc::golden::cued_wires;
 use cube3_frame::{FrameSetup, Linear, LinearFactor};
 
 /// The depth cue.
-pub struct Cue;
+pub struct CueSheet;
 
-impl Unit for Cue {
+impl Unit for CueSheet {
     fn sheet(&self) -> Sheet {
         Sheet {
             name: "cue",
@@ -28,20 +28,20 @@ impl Unit for Cue {
                 Wire::new("product", "colour · factor", "0", "(2^C - 1) * 2^12").times("3"),
                 Wire::new("value", "product / 2^12, rounded", "0", "2^C - 1")
                     .times("3")
-                    .made_by(Kind::Rounded { of: "product", bits: "12" }),
+                    .made_by(WireKind::Rounded { of: "product", bits: "12" }),
             ],
             outputs: vec![Port::unsigned("value", "C", "red, green, blue, unit words").times("3")],
             clocked: false,
         }
     }
 
-    fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, format: &UnitFormat, _: &Tables, inputs: &[i128], probe: &mut WireRecorder) -> Vec<i128> {
         let mut fields = Reader::new(inputs);
         let colour = fields.words();
         cued_wires(colour, fields.word(), &format.words, probe).map(i128::from).to_vec()
     }
 
-    fn lanes(&self, format: &Format, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+    fn lanes(&self, format: &UnitFormat, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
         let answer = |inputs: &Vec<i128>| {
             let mut fields = Reader::new(inputs);
             let colour = fields.words();

@@ -1,7 +1,7 @@
 //! The addressing of a 2-D skewed buffer.
 
 use crate::unit::Reader;
-use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
+use crate::{Port, Sheet, Tables, Unit, UnitFormat, Wire, WireKind, WireRecorder};
 use cube3_dsb::PlaneStore;
 use cube3_dsb::golden::{beam_lane, module, ray_lane};
 use cube3_frame::{Axes, BeamPlace, Geometry, Schedule};
@@ -12,9 +12,9 @@ use cube3_word::Probe;
 const CHUNKS: usize = 8;
 
 /// The skewed buffer's addresses.
-pub struct Dsb;
+pub struct DsbSheet;
 
-impl Unit for Dsb {
+impl Unit for DsbSheet {
     fn sheet(&self) -> Sheet {
         Sheet {
             name: "dsb",
@@ -31,7 +31,7 @@ impl Unit for Dsb {
             ],
             tables: Vec::new(),
             wires: vec![
-                Wire::new("module", "(j + k) mod LANES", "0", "LANES - 1").made_by(Kind::Cases),
+                Wire::new("module", "(j + k) mod LANES", "0", "LANES - 1").made_by(WireKind::Cases),
                 Wire::new("beam_place", "⌊j / LANES⌋·LANES + module", "0", "8 * LANES - 1"),
                 Wire::new("ray_place", "⌊k / LANES⌋·LANES + module", "0", "8 * LANES - 1"),
             ],
@@ -44,7 +44,7 @@ impl Unit for Dsb {
         }
     }
 
-    fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, format: &UnitFormat, _: &Tables, inputs: &[i128], probe: &mut WireRecorder) -> Vec<i128> {
         let [slot, depth] = Reader::new(inputs).words().map(|i: u32| i as usize);
         let lanes = format.lanes as usize;
         let places = [module(lanes, slot, depth), beam_lane(lanes, slot, depth), ray_lane(lanes, slot, depth)];
@@ -57,7 +57,7 @@ impl Unit for Dsb {
 
     /// Two planes are written beam by beam and read ray by ray, which come in order of depth: in one a word is its place in the beam, in the
     /// other its depth. The place in the ray is in the depth's chunk, in the module that the word has in the beam.
-    fn lanes(&self, format: &Format, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+    fn lanes(&self, format: &UnitFormat, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
         let lanes = format.lanes as usize;
         let side = CHUNKS * lanes;
         let axes = Axes { axis: [0, 1, 2], reversed: [false; 3] };
@@ -84,7 +84,7 @@ impl Unit for Dsb {
         Some(lines.iter().map(|line| answer(line).unwrap_or_else(|| vec![-1; 3])).collect())
     }
 
-    fn formats(&self) -> Vec<Format> {
-        [1, 2, 5, 8, 12, 16, 64].map(|lanes| Format { lanes, ..Format::default() }).to_vec()
+    fn formats(&self) -> Vec<UnitFormat> {
+        [1, 2, 5, 8, 12, 16, 64].map(|lanes| UnitFormat { lanes, ..UnitFormat::default() }).to_vec()
     }
 }

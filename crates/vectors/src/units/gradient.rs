@@ -3,15 +3,15 @@
 use super::contents::Noise;
 use super::lerp_wires;
 use crate::unit::Reader;
-use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire, word_formats};
+use crate::{Port, Sheet, Tables, Unit, UnitFormat, Wire, WireKind, WireRecorder, word_formats};
 use cube3_abc::golden::{Local, local_gradient_wires};
 use cube3_abc::lanes::{Around, GradientLanes, LocalBlock};
 use cube3_frame::{GradientRegisters, GradientScale};
 use cube3_machine::{Differences, Estimator, GradientMethod};
-use cube3_word::{BLOCK, Block};
+use cube3_word::{BLOCK_LANES, LaneBlock};
 
 /// The gradient of one estimator.
-pub struct Gradient(pub GradientMethod);
+pub struct GradientSheet(pub GradientMethod);
 
 /// One, of factors and nearness.
 const ONE: u32 = 1 << GradientScale::FACTOR_BITS;
@@ -32,16 +32,16 @@ macro_rules! component {
                 concat!("-(", $reach, ") * 2^K"),
                 concat!("(", $reach, ") * 2^K"),
             )
-            .made_by(Kind::Rounded { of: "product", bits: "16 - K" }),
+            .made_by(WireKind::Rounded { of: "product", bits: "16 - K" }),
             Wire::new("dropped", concat!("scaled / 2^", $drop, ", rounded"), low!($reach, $drop), high!($reach, $drop))
-                .made_by(Kind::Rounded { of: "scaled", bits: $drop }),
+                .made_by(WireKind::Rounded { of: "scaled", bits: $drop }),
             Wire::new(
                 "word",
                 "dropped, held in G bits",
                 concat!("max(", low!($reach, $drop), ", -2^(G - 1))"),
                 concat!("min(", high!($reach, $drop), ", 2^(G - 1) - 1)"),
             )
-            .made_by(Kind::Held { of: "dropped", low: "-2^(G - 1)", high: "2^(G - 1) - 1" }),
+            .made_by(WireKind::Held { of: "dropped", low: "-2^(G - 1)", high: "2^(G - 1) - 1" }),
         ]
         .map(|wire| wire.of($part).times($count))
         .to_vec()
@@ -88,7 +88,7 @@ macro_rules! nearness {
                 concat!("(", $reach, ") * 2^16"),
             ),
             difference!("near", "near_product / 2^16, rounded", $reach)
-                .made_by(Kind::Rounded { of: "near_product", bits: "16" }),
+                .made_by(WireKind::Rounded { of: "near_product", bits: "16" }),
         ]
         .map(|wire| wire.of("along"))
         .to_vec()
@@ -108,18 +108,18 @@ macro_rules! shear {
             .times("2"),
             Wire::new("shear_sum", "sum of the two", concat!("-(", $sum, ") * 2^W"), concat!("(", $sum, ") * 2^W")),
             difference!("shear", "shear_sum / 2^W, rounded", $sum)
-                .made_by(Kind::Rounded { of: "shear_sum", bits: "W" }),
+                .made_by(WireKind::Rounded { of: "shear_sum", bits: "W" }),
         ]
         .map(|wire| wire.of("along"))
         .to_vec()
     };
 }
 
-impl Gradient {
+impl GradientSheet {
     /// The six that a machine can be built with; 10 and 10 normalised differ in their factors alone.
     pub fn all() -> Vec<Box<dyn Unit>> {
         use GradientMethod::{Six, SixSheared, Ten, Twelve, TwentySix, TwentySixSheared};
-        let unit = |method| Box::new(Gradient(method)) as Box<dyn Unit>;
+        let unit = |method| Box::new(GradientSheet(method)) as Box<dyn Unit>;
         [Six, TwentySix, Ten, Twelve, SixSheared, TwentySixSheared].map(unit).into()
     }
 
@@ -225,13 +225,13 @@ impl Gradient {
         }
     }
 
-    fn registers(&self, local: &Local, format: &Format) -> GradientRegisters {
+    fn registers(&self, local: &Local, format: &UnitFormat) -> GradientRegisters {
         let scale = local.factors.map(|factors| GradientScale { factors, kept_bits: format.kept_bits });
         GradientRegisters { method: self.0, weights: local.here, scale, border: 0 }
     }
 
     /// Words and saturated words of lines by the lanes, with one of the components alone where the others' factors are 0.
-    fn rows(&self, format: &Format, lines: &[Line]) -> Vec<([i32; 3], u32)> {
+    fn rows(&self, format: &UnitFormat, lines: &[Line]) -> Vec<([i32; 3], u32)> {
         let mut all = vec![([0; 3], 0); lines.len()];
         let (parallel, others): (Vec<usize>, Vec<usize>) =
             (0..lines.len()).partition(|&line| self.is_ten() || is_parallel(&lines[line].local));
@@ -244,8 +244,8 @@ impl Gradient {
             let parallel = self.is_ten() || is_parallel(first);
             let lanes = GradientLanes::new(self.registers(first, format), &format.words);
             let turn = |i: usize, mirrored: bool| if mirrored { 2 - i } else { i };
-            for part in run.chunks(BLOCK) {
-                let words = |of: &dyn Fn(&Line) -> i32| -> Block<i32> {
+            for part in run.chunks(BLOCK_LANES) {
+                let words = |of: &dyn Fn(&Line) -> i32| -> LaneBlock<i32> {
                     std::array::from_fn(|lane| part.get(lane).map_or(0, |&line| of(&lines[line])))
                 };
                 let around: Around = std::array::from_fn(|place| {
@@ -253,7 +253,7 @@ impl Gradient {
                     let place = w * 9 + turn(v, first.mirrored[1]) * 3 + turn(u, first.mirrored[0]);
                     words(&|line| line.samples[place])
                 });
-                let (mut out, mut overflow) = ([[0; BLOCK]; 3], [0; BLOCK]);
+                let (mut out, mut overflow) = ([[0; BLOCK_LANES]; 3], [0; BLOCK_LANES]);
                 if parallel {
                     cube3_word::vectorised(|| lanes.run(&around, &mut out, &mut overflow));
                 } else {
@@ -320,7 +320,7 @@ fn samples(of: impl Fn([i32; 3]) -> i128) -> [i128; 27] {
 }
 
 /// Samples of parallel frames, which have lanes of their own.
-fn parallel(format: &Format) -> Vec<Vec<i128>> {
+fn parallel(format: &UnitFormat) -> Vec<Vec<i128>> {
     let mut noise = Noise::new(1);
     let top = format.value_of("M").unwrap_or_default();
     let weight = 1 << format.words.weight_bits;
@@ -334,7 +334,7 @@ fn parallel(format: &Format) -> Vec<Vec<i128>> {
 
 /// Each component furthest from 0 and a whole number of its words; what u and v together, and what is left of the ray without
 /// them, are furthest from 0: where no field alone leads, as a weight of 0 hides the differences that it weighs.
-fn extremes(format: &Format) -> Vec<Vec<i128>> {
+fn extremes(format: &UnitFormat) -> Vec<Vec<i128>> {
     let top = format.value_of("M").unwrap_or_default();
     let weight = 1 << format.words.weight_bits;
     let near = |at: i32| 2 - at.abs();
@@ -357,7 +357,7 @@ fn extremes(format: &Format) -> Vec<Vec<i128>> {
 }
 
 /// Differences of 1 and −1 with factors, and with a nearness, that leave a half.
-fn ties(format: &Format) -> Vec<Vec<i128>> {
+fn ties(format: &UnitFormat) -> Vec<Vec<i128>> {
     let half = i128::from(ONE / 2);
     let mut lines = Vec::new();
     for side in [-1, 1] {
@@ -372,7 +372,7 @@ fn ties(format: &Format) -> Vec<Vec<i128>> {
     lines
 }
 
-impl Unit for Gradient {
+impl Unit for GradientSheet {
     fn sheet(&self) -> Sheet {
         let Estimator { unit: name, title, rtl_parameters: parameters, .. } = *self.0.row();
         let (purpose, wires, overflows) = self.arithmetic();
@@ -412,7 +412,7 @@ impl Unit for Gradient {
         }
     }
 
-    fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, format: &UnitFormat, _: &Tables, inputs: &[i128], probe: &mut WireRecorder) -> Vec<i128> {
         let Line { samples, local } = Line::new(inputs);
         let s = [0, 1, 2].map(|w| [0, 1, 2].map(|v| [0, 1, 2].map(|u| samples[9 * w + 3 * v + u])));
         let nearness = local.nearness.filter(|_| !self.is_ten());
@@ -422,13 +422,13 @@ impl Unit for Gradient {
         [g, overflow].concat()
     }
 
-    fn corners(&self, format: &Format) -> Vec<Vec<i128>> {
+    fn corners(&self, format: &UnitFormat) -> Vec<Vec<i128>> {
         [parallel(format), extremes(format), ties(format)].concat()
     }
 
     /// Words as wide as differences, and with the most bits that a scale keeps.
-    fn formats(&self) -> Vec<Format> {
-        let kept = |format: Format| Format {
+    fn formats(&self) -> Vec<UnitFormat> {
+        let kept = |format: UnitFormat| UnitFormat {
             kept_bits: GradientScale::FACTOR_BITS.min(GradientScale::room(self.0, &format.words)),
             ..format
         };
@@ -437,7 +437,7 @@ impl Unit for Gradient {
         formats[..5].iter().copied().chain([kept(formats[0]), kept(formats[1])]).chain(truncated).collect()
     }
 
-    fn lanes(&self, format: &Format, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+    fn lanes(&self, format: &UnitFormat, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
         let lines: Vec<Line> = lines.iter().map(|line| Line::new(line)).collect();
         // The lanes count a sample's words; a component whose factor is 0 has none.
         let alone = [0, 1, 2].map(|i| {

@@ -2,7 +2,7 @@
 
 use super::modes::MODE;
 use crate::unit::Reader;
-use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
+use crate::{Port, Sheet, Tables, Unit, UnitFormat, Wire, WireKind, WireRecorder};
 use cube3_abc::golden::Shaded;
 use cube3_abc::lanes::ShadedRow;
 use cube3_cone::golden::leaf_wires;
@@ -22,13 +22,13 @@ pub fn unit_mul_wires(part: &'static str, count: &'static str) -> [Wire; 3] {
             "(2^A - 1) * (2^A - 1) + NEAREST * 2^(A - 1) + ((2^A - 1) * (2^A - 1) + NEAREST * 2^(A - 1)) / 2^A + 1 - NEAREST",
         ),
         Wire::new("value", "product / (2^A − 1), rounded: carried >> A", "0", "2^A - 1")
-            .made_by(Kind::UnitProduct { of: "product", bits: "A" }),
+            .made_by(WireKind::UnitProduct { of: "product", bits: "A" }),
     ]
     .map(|wire| wire.of(part).times(count))
 }
 
 /// The leaf.
-pub struct Leaf;
+pub struct LeafSheet;
 
 /// The sample of a line and the registers of a cone of one leaf, whose weighted sum is the sum.
 fn line(inputs: &[i128]) -> (Shaded, ConeRegisters) {
@@ -41,7 +41,7 @@ fn line(inputs: &[i128]) -> (Shaded, ConeRegisters) {
 }
 
 /// The pixel of a row of one ray that has one sample.
-fn pixel<T: Accumulator>(shaded: &Shaded, cone: ConeRegisters, format: &Format) -> [u32; 4] {
+fn pixel<T: Accumulator>(shaded: &Shaded, cone: ConeRegisters, format: &UnitFormat) -> [u32; 4] {
     let row = ShadedRow {
         present: vec![shaded.present.into()],
         opacity: vec![shaded.opacity],
@@ -56,13 +56,13 @@ fn pixel<T: Accumulator>(shaded: &Shaded, cone: ConeRegisters, format: &Format) 
     pixel
 }
 
-impl Unit for Leaf {
+impl Unit for LeafSheet {
     fn sheet(&self) -> Sheet {
         let mut wires = vec![
             Wire::new("resized", "opacity in A bits: repeated bits, or the leading ones", "0", "2^A - 1"),
             Wire::new("colour", "colour in A bits, likewise", "0", "2^A - 1").times("3"),
-            Wire::new("opaque", "opacity ≥ the register `opaque`", "0", "1").made_by(Kind::Cases),
-            Wire::new("present", "in modes 1 and 2 opaque, else 1", "0", "1").made_by(Kind::Cases),
+            Wire::new("opaque", "opacity ≥ the register `opaque`", "0", "1").made_by(WireKind::Cases),
+            Wire::new("present", "in modes 1 and 2 opaque, else 1", "0", "1").made_by(WireKind::Cases),
         ];
         wires.extend(unit_mul_wires("weighted", "3"));
         Sheet {
@@ -100,7 +100,7 @@ impl Unit for Leaf {
         }
     }
 
-    fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, format: &UnitFormat, _: &Tables, inputs: &[i128], probe: &mut WireRecorder) -> Vec<i128> {
         let (shaded, cone) = line(inputs);
         let node = leaf_wires(&shaded, &cone, &format.words, probe);
         let mut outputs = vec![node.present.into(), node.sample.into()];
@@ -109,14 +109,14 @@ impl Unit for Leaf {
     }
 
     /// The rows of the cone hold colours and opacities; where nothing is they are 0, and whether there is anything is no word of theirs.
-    fn lanes(&self, format: &Format, tables: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+    fn lanes(&self, format: &UnitFormat, tables: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
         let answer = |inputs: &Vec<i128>| {
             let (shaded, cone) = line(inputs);
             let rgba = match format.words.accumulator_bits {
                 ..=16 => pixel::<u32>(&shaded, cone, format),
                 _ => pixel::<u64>(&shaded, cone, format),
             };
-            let mut outputs = self.evaluate(format, tables, inputs, &mut Recorder::default());
+            let mut outputs = self.evaluate(format, tables, inputs, &mut WireRecorder::default());
             outputs.splice(2.., rgba.map(i128::from));
             outputs
         };
@@ -124,7 +124,7 @@ impl Unit for Leaf {
     }
 
     /// A sample that is not present is all 0.
-    fn legalise(&self, _: &Format, inputs: &mut [i128]) {
+    fn legalise(&self, _: &UnitFormat, inputs: &mut [i128]) {
         if inputs[2] == 0 {
             inputs[3..].fill(0);
         }

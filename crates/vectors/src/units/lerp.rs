@@ -1,7 +1,7 @@
 //! The multiplier of TRILIN.
 
 use crate::unit::Reader;
-use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
+use crate::{Port, Sheet, Tables, Unit, UnitFormat, Wire, WireKind, WireRecorder};
 use cube3_word::{LerpLanes, lerp_wires as golden};
 
 /// The wires of a lerp of unsigned words of `S` bits, of a part that is there `count` times.
@@ -9,16 +9,16 @@ pub fn lerp_wires(part: &'static str, count: &'static str) -> [Wire; 4] {
     [
         Wire::new("difference", "far − near", "-M", "M"),
         Wire::new("product", "difference · weight", "-M * 2^W", "(M) * 2^W"),
-        Wire::new("step", "product / 2^W, rounded", "-M", "M").made_by(Kind::Rounded { of: "product", bits: "W" }),
+        Wire::new("step", "product / 2^W, rounded", "-M", "M").made_by(WireKind::Rounded { of: "product", bits: "W" }),
         Wire::new("value", "near + step", "0", "M"),
     ]
     .map(|wire| wire.of(part).times(count))
 }
 
 /// The lerp.
-pub struct Lerp;
+pub struct LerpSheet;
 
-impl Unit for Lerp {
+impl Unit for LerpSheet {
     fn sheet(&self) -> Sheet {
         Sheet {
             name: "lerp",
@@ -40,14 +40,14 @@ impl Unit for Lerp {
         }
     }
 
-    fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, format: &UnitFormat, _: &Tables, inputs: &[i128], probe: &mut WireRecorder) -> Vec<i128> {
         let mut fields = Reader::new(inputs);
         let [near, far] = fields.signed_words();
         let words = &format.words;
         vec![golden(near, far, fields.word(), words.weight_bits, words.rounding, probe).into()]
     }
 
-    fn lanes(&self, format: &Format, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+    fn lanes(&self, format: &UnitFormat, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
         let words = &format.words;
         let lanes = LerpLanes::new(words.sample_bits(), words.weight_bits, words.rounding);
         let column = |i: usize| lines.iter().map(|line| line[i] as i32).collect::<Vec<i32>>();

@@ -2,23 +2,23 @@
 
 use super::frame::{coloured, shaded};
 use crate::unit::Reader;
-use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
-use cube3_abc::golden::{Light, lit_wires};
+use crate::{Port, Sheet, Tables, Unit, UnitFormat, Wire, WireKind, WireRecorder};
+use cube3_abc::golden::{ReflectedLight, lit_wires};
 use cube3_frame::{FrameSetup, GradientRegisters, ReflectanceTable, Shading};
 use cube3_machine::GradientMethod;
 use cube3_word::Words;
 
 /// The lit colour.
-pub struct Lit;
+pub struct LitSheet;
 
 /// The fields of a line.
-fn line(inputs: &[i128]) -> ([u32; 3], Light) {
+fn line(inputs: &[i128]) -> ([u32; 3], ReflectedLight) {
     let mut fields = Reader::new(inputs);
-    (fields.words(), Light { diffuse: fields.words(), specular: fields.words() })
+    (fields.words(), ReflectedLight { diffuse: fields.words(), specular: fields.words() })
 }
 
 /// A frame with this light from every direction.
-fn frame(colour: [u32; 3], light: Light, words: &Words) -> FrameSetup {
+fn frame(colour: [u32; 3], light: ReflectedLight, words: &Words) -> FrameSetup {
     let entries = |of: [u32; 3]| vec![of; 24];
     let (diffuse, specular) = (entries(light.diffuse), entries(light.specular));
     FrameSetup {
@@ -28,7 +28,7 @@ fn frame(colour: [u32; 3], light: Light, words: &Words) -> FrameSetup {
     }
 }
 
-impl Unit for Lit {
+impl Unit for LitSheet {
     fn sheet(&self) -> Sheet {
         Sheet {
             name: "lit",
@@ -52,14 +52,14 @@ impl Unit for Lit {
                     "0",
                     "((2^C - 1) * (2^(C + 8) - 1) + NEAREST * (2^C / 2)) / 2^C",
                 )
-                .made_by(Kind::Rounded { of: "product", bits: "C" }),
+                .made_by(WireKind::Rounded { of: "product", bits: "C" }),
                 Wire::new(
                     "sum",
                     "scaled + specular",
                     "0",
                     "((2^C - 1) * (2^(C + 8) - 1) + NEAREST * (2^C / 2)) / 2^C + 2^(C + 8) - 1",
                 ),
-                Wire::new("value", "sum, held at the full word", "0", "2^C - 1").made_by(Kind::Held {
+                Wire::new("value", "sum, held at the full word", "0", "2^C - 1").made_by(WireKind::Held {
                     of: "sum",
                     low: "0",
                     high: "2^C - 1",
@@ -75,20 +75,20 @@ impl Unit for Lit {
         }
     }
 
-    fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, format: &UnitFormat, _: &Tables, inputs: &[i128], probe: &mut WireRecorder) -> Vec<i128> {
         let (colour, light) = line(inputs);
         let words = lit_wires(colour, light, &format.words, probe);
         [words.map(|(word, _)| word.into()), words.map(|(_, saturated)| saturated.into())].concat()
     }
 
-    fn lanes(&self, format: &Format, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+    fn lanes(&self, format: &UnitFormat, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
         let answer = |inputs: &Vec<i128>| {
             let (colour, light) = line(inputs);
             let (value, _) = shaded(&frame(colour, light, &format.words));
             // The lanes count a sample's words; a component without colour and highlight has none.
             let overflow = [0, 1, 2].map(|i| {
                 let alone = |words: [u32; 3]| std::array::from_fn(|j| if i == j { words[j] } else { 0 });
-                let light = Light { specular: alone(light.specular), ..light };
+                let light = ReflectedLight { specular: alone(light.specular), ..light };
                 shaded(&frame(alone(colour), light, &format.words)).1.into()
             });
             [value.map(i128::from), overflow].concat()

@@ -29,26 +29,26 @@ pub(crate) use lerp::lerp_wires;
 /// Every unit, in the order of the pipeline.
 pub fn units() -> Vec<Box<dyn Unit>> {
     let mut units: Vec<Box<dyn Unit>> = vec![
-        Box::new(cfb::Cfb),
-        Box::new(bus::Bus),
-        Box::new(dsb::Dsb),
-        Box::new(lerp::Lerp),
-        Box::new(trilin::Trilin),
-        Box::new(clip::Clip),
+        Box::new(cfb::CfbSheet),
+        Box::new(bus::BusSheet),
+        Box::new(dsb::DsbSheet),
+        Box::new(lerp::LerpSheet),
+        Box::new(trilin::TrilinSheet),
+        Box::new(clip::ClipSheet),
     ];
-    units.extend(gradient::Gradient::all());
+    units.extend(gradient::GradientSheet::all());
     let behind: [Box<dyn Unit>; 11] = [
-        Box::new(normalise::Normalise),
-        Box::new(classify::Classify),
-        Box::new(phong::Phong),
-        Box::new(reflectance::Reflectance),
-        Box::new(lit::Lit),
-        Box::new(cue::Cue),
-        Box::new(leaf::Leaf),
-        Box::new(node::Node),
-        Box::new(cone::Cone),
-        Box::new(pixel::Pixel),
-        Box::new(channel::Channel),
+        Box::new(normalise::NormaliseSheet),
+        Box::new(classify::ClassifySheet),
+        Box::new(phong::PhongSheet),
+        Box::new(reflectance::ReflectanceSheet),
+        Box::new(lit::LitSheet),
+        Box::new(cue::CueSheet),
+        Box::new(leaf::LeafSheet),
+        Box::new(node::NodeSheet),
+        Box::new(cone::ConeSheet),
+        Box::new(pixel::PixelSheet),
+        Box::new(channel::ChannelSheet),
     ];
     units.extend(behind);
     units

@@ -1,6 +1,6 @@
 //! The port of the cone's mode, and what its nodes never hold.
 
-use crate::Format;
+use crate::UnitFormat;
 use cube3_word::unit_full;
 
 /// The mode's port: [`cube3_scene::Mode::code`].
@@ -13,7 +13,7 @@ pub const MODE: crate::Port = crate::Port::unsigned(
 
 /// A node that the cone can hold: nothing is all 0, opacity is at most full but in a weighted sum, and a colour weighted with its
 /// opacity does not exceed it.
-pub fn legal(format: &Format, mode: i128, present: i128, sample: &mut i128, rgba: &mut [i128]) {
+pub fn legal(format: &UnitFormat, mode: i128, present: i128, sample: &mut i128, rgba: &mut [i128]) {
     if present == 0 {
         *sample = 0;
         rgba.fill(0);

@@ -3,7 +3,7 @@
 use super::leaf::unit_mul_wires;
 use super::modes::{MODE, legal};
 use crate::unit::Reader;
-use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
+use crate::{Port, Sheet, Tables, Unit, UnitFormat, Wire, WireKind, WireRecorder};
 use cube3_cone::golden::{Node as GoldenNode, combine_wires};
 use cube3_cone::lanes::{Accumulator, ConeLanes, RowNode};
 use cube3_frame::ConeRegisters;
@@ -11,7 +11,7 @@ use cube3_machine::ConeOrder;
 use cube3_scene::Mode;
 
 /// The node.
-pub struct Node;
+pub struct NodeSheet;
 
 /// The mode of a line, and the nodes on the left and on the right.
 fn line(inputs: &[i128]) -> (Mode, [GoldenNode; 2]) {
@@ -40,7 +40,7 @@ fn row<T: Accumulator>(mode: Mode, node: &GoldenNode, word: impl Fn(u64) -> T) -
 fn combined<T: Accumulator>(
     mode: Mode,
     nodes: &[GoldenNode; 2],
-    format: &Format,
+    format: &UnitFormat,
     word: impl Fn(u64) -> T,
 ) -> ([u64; 4], Option<i32>) {
     let cone = ConeRegisters { mode, order: ConeOrder::Tree, leaves: 2, opaque: 1, sum_weight: 0 };
@@ -49,7 +49,7 @@ fn combined<T: Accumulator>(
     (left.rgba.each_ref().map(|row| row[0].wide()), left.sample.first().copied())
 }
 
-impl Unit for Node {
+impl Unit for NodeSheet {
     fn sheet(&self) -> Sheet {
         let mut wires = vec![Wire::new("through", "2^A − 1 − left opacity", "0", "2^A - 1")];
         wires.extend(unit_mul_wires("behind", "4"));
@@ -68,7 +68,7 @@ impl Unit for Node {
                 "M",
             ),
             Wire::new("wins", "maximum: right sample > left; minimum: right sample < left", "0", "1")
-                .made_by(Kind::Cases),
+                .made_by(WireKind::Cases),
             Wire::new("sum", "weighted-sum: left + right, of 4096 samples at most", "0", "4096 * (2^A - 1)").times("4"),
         ]);
         let side = |name: [&'static str; 3], which: &'static str| {
@@ -107,7 +107,7 @@ impl Unit for Node {
         }
     }
 
-    fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, format: &UnitFormat, _: &Tables, inputs: &[i128], probe: &mut WireRecorder) -> Vec<i128> {
         let (mode, [left, right]) = line(inputs);
         let node = combine_wires(mode, left, right, &format.words, probe);
         let mut outputs = vec![node.present.into(), node.sample.into()];
@@ -117,10 +117,10 @@ impl Unit for Node {
 
     /// The rows of the cone hold colours and opacities, and samples where these are compared; where nothing is they are 0, and whether
     /// there is anything is no word of theirs.
-    fn lanes(&self, format: &Format, tables: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+    fn lanes(&self, format: &UnitFormat, tables: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
         let answer = |inputs: &Vec<i128>| {
             let (mode, nodes) = line(inputs);
-            let mut outputs = self.evaluate(format, tables, inputs, &mut Recorder::default());
+            let mut outputs = self.evaluate(format, tables, inputs, &mut WireRecorder::default());
             // In these modes a leaf is fully opaque, or nothing: the rows know what is there by its opacity.
             let by_opacity = matches!(mode, Mode::FirstOpaque | Mode::LastOpaque);
             if by_opacity && nodes.iter().any(|node| node.present && node.rgba[3] == 0) {
@@ -139,7 +139,7 @@ impl Unit for Node {
         Some(lines.iter().map(answer).collect())
     }
 
-    fn legalise(&self, format: &Format, inputs: &mut [i128]) {
+    fn legalise(&self, format: &UnitFormat, inputs: &mut [i128]) {
         let mode = inputs[0];
         for side in inputs[1..].chunks_mut(6) {
             if let [present, sample, rgba @ ..] = side {

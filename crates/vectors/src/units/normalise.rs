@@ -2,7 +2,7 @@
 
 use super::contents::Noise;
 use crate::unit::Reader;
-use crate::{Format, Kind, Port, Recorder, Sheet, Table, Tables, Unit, Wire, word_formats};
+use crate::{Port, Sheet, Table, Tables, Unit, UnitFormat, Wire, WireKind, WireRecorder, word_formats};
 use cube3_abc::golden::{normalise, normalise_wires};
 use cube3_abc::lanes::normalise_rows;
 use cube3_frame::{GradientScale, Normaliser};
@@ -10,16 +10,16 @@ use cube3_machine::GradientMethod;
 use cube3_word::Rounding;
 
 /// The normaliser.
-pub struct Normalise;
+pub struct NormaliseSheet;
 
 /// The table as the unit crates hold it.
-fn table(format: &Format, tables: &Tables) -> Normaliser {
+fn table(format: &UnitFormat, tables: &Tables) -> Normaliser {
     Normaliser { root: tables[0].iter().map(|&entry| entry as u32).collect(), root_bits: format.root_bits }
 }
 
 /// Gradients of which a block holds all, so that their length is rounded; the last, whose length, the product with its direction,
 /// lies halfway between two words.
-fn small(format: &Format, table: &Normaliser) -> Vec<Vec<i128>> {
+fn small(format: &UnitFormat, table: &Normaliser) -> Vec<Vec<i128>> {
     let one_bits = format.words.normal_bits - 1;
     let mut noise = Noise::new(5);
     let top = (1 << one_bits.min(format.words.gradient_bits + format.kept_bits - 1)) - 1;
@@ -34,7 +34,7 @@ fn small(format: &Format, table: &Normaliser) -> Vec<Vec<i128>> {
     lines.into_iter().map(|gradient| gradient.map(i128::from).to_vec()).collect()
 }
 
-impl Unit for Normalise {
+impl Unit for NormaliseSheet {
     fn sheet(&self) -> Sheet {
         Sheet {
             name: "normalise",
@@ -70,10 +70,10 @@ impl Unit for Normalise {
                 Wire::new("product", "block · reciprocal", "0", "LONGEST").times("3"),
                 Wire::new("rounded", "product / 2^B, rounded to nearest", "0", "(LONGEST + 2^(B - 1)) / 2^B")
                     .times("3")
-                    .made_by(Kind::Rounded { of: "product", bits: "B" }),
+                    .made_by(WireKind::Rounded { of: "product", bits: "B" }),
                 Wire::new("unit", "rounded, held at 1", "0", "min((LONGEST + 2^(B - 1)) / 2^B, 2^(B - 1))")
                     .times("3")
-                    .made_by(Kind::Held { of: "rounded", low: "0", high: "2^(B - 1)" }),
+                    .made_by(WireKind::Held { of: "rounded", low: "0", high: "2^(B - 1)" }),
                 Wire::new(
                     "direction",
                     "unit with the component's sign",
@@ -85,7 +85,7 @@ impl Unit for Normalise {
                 Wire::new("aligned", "length · 2^highest", "0", "2^(2 * B + G - 1)").loose(),
                 Wire::new("magnitude", "aligned / 2^(2B − 2), rounded to nearest", "0", "2^G")
                     .loose()
-                    .made_by(Kind::Rounded { of: "aligned", bits: "2 * B - 2" }),
+                    .made_by(WireKind::Rounded { of: "aligned", bits: "2 * B - 2" }),
             ],
             outputs: vec![
                 Port::signed("direction", "B + 1", "components of the direction, fractions of B − 1 bits")
@@ -97,21 +97,21 @@ impl Unit for Normalise {
         }
     }
 
-    fn evaluate(&self, format: &Format, tables: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, format: &UnitFormat, tables: &Tables, inputs: &[i128], probe: &mut WireRecorder) -> Vec<i128> {
         let gradient = Reader::new(inputs).signed_words();
         let normal = normalise_wires(gradient, &table(format, tables), &format.words, probe);
         let [u, v, w] = normal.direction.map(i128::from);
         vec![u, v, w, normal.magnitude.into()]
     }
 
-    fn tables(&self, format: &Format) -> Tables {
+    fn tables(&self, format: &UnitFormat) -> Tables {
         let table = Normaliser::new(format.words.normal_bits, format.root_bits);
         vec![table.root.into_iter().map(i128::from).collect()]
     }
 
     /// Gradients along an axis: of every highest bit, and those whose component is the longest; and one for each part of a product
     /// that rounding drops.
-    fn corners(&self, format: &Format) -> Vec<Vec<i128>> {
+    fn corners(&self, format: &UnitFormat) -> Vec<Vec<i128>> {
         let bits = format.words.normal_bits;
         let gradient_bits = format.words.gradient_bits + format.kept_bits;
         let mut lines: Vec<Vec<i128>> = Vec::new();
@@ -144,22 +144,22 @@ impl Unit for Normalise {
 
     /// Gradients as wide as differences, and with what a scale keeps below them: the narrowest alone hold too little for products of
     /// every kind.
-    fn formats(&self) -> Vec<Format> {
-        let kept = |format: Format| Format {
+    fn formats(&self) -> Vec<UnitFormat> {
+        let kept = |format: UnitFormat| UnitFormat {
             kept_bits: GradientScale::FACTOR_BITS.min(GradientScale::room(GradientMethod::Six, &format.words)),
             ..format
         };
         let nearest = word_formats().into_iter().filter(|format| format.words.rounding == Rounding::Nearest);
-        let formats: Vec<Format> = nearest.collect();
+        let formats: Vec<UnitFormat> = nearest.collect();
         let default = formats[0];
         [default]
             .into_iter()
             .chain(formats.into_iter().map(kept))
-            .chain([Format { root_bits: 10, ..default }])
+            .chain([UnitFormat { root_bits: 10, ..default }])
             .collect()
     }
 
-    fn lanes(&self, format: &Format, tables: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+    fn lanes(&self, format: &UnitFormat, tables: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
         let gradient = [0, 1, 2].map(|i| lines.iter().map(|line| line[i] as i32).collect());
         let (direction, magnitude) = normalise_rows(gradient, &table(format, tables), &format.words);
         let answer = |lane: usize| {

@@ -1,17 +1,17 @@
 //! The light unit: Phong's formula in integers.
 
 use crate::unit::Reader;
-use crate::{Format, Kind, Port, Recorder, Sheet, Table, Tables, Unit, Wire, word_formats};
+use crate::{Port, Sheet, Table, Tables, Unit, UnitFormat, Wire, WireKind, WireRecorder, word_formats};
 use cube3_abc::golden::phong_wires;
 use cube3_abc::lanes::phong_rows;
 use cube3_frame::{Phong as Registers, PhongLight};
 use cube3_scene::Material;
 
 /// Phong's formula.
-pub struct Phong;
+pub struct PhongSheet;
 
 /// The normal and the registers of a line.
-fn line(format: &Format, tables: &Tables, inputs: &[i128]) -> ([i32; 3], Registers) {
+fn line(format: &UnitFormat, tables: &Tables, inputs: &[i128]) -> ([i32; 3], Registers) {
     let mut fields = Reader::new(inputs);
     let (normal, ambient, two_sided) = (fields.signed_words(), fields.word(), fields.flag());
     let mut lights = vec![
@@ -32,8 +32,8 @@ fn cosine(part: &'static str) -> Vec<Wire> {
         Wire::new("dot", "normal · direction", "-3 * 2^(2 * B - 2)", "3 * 2^(2 * B - 2)"),
         Wire::new("positive", "|dot| where lit from both sides, else dot or 0", "0", "3 * 2^(2 * B - 2)"),
         Wire::new("rounded", "positive / 2^(B − 1), rounded", "0", "3 * 2^(B - 1)")
-            .made_by(Kind::Rounded { of: "positive", bits: "B - 1" }),
-        Wire::new("cosine", "rounded, held at 1", "0", "2^(B - 1)").made_by(Kind::Held {
+            .made_by(WireKind::Rounded { of: "positive", bits: "B - 1" }),
+        Wire::new("cosine", "rounded, held at 1", "0", "2^(B - 1)").made_by(WireKind::Held {
             of: "rounded",
             low: "0",
             high: "2^(B - 1)",
@@ -48,20 +48,20 @@ fn shares() -> Vec<Wire> {
     [
         Wire::new("diffuse_product", "light_diffuse · towards.cosine", "0", "(2^(C + 4) - 1) * 2^(B - 1)"),
         Wire::new("diffuse", "diffuse_product / 2^(B − 1), rounded", "0", "2^(C + 4) - 1")
-            .made_by(Kind::Rounded { of: "diffuse_product", bits: "B - 1" }),
+            .made_by(WireKind::Rounded { of: "diffuse_product", bits: "B - 1" }),
         Wire::new("specular_product", "light_specular · half.power", "0", "(2^(C + 4) - 1) * 2^C"),
         Wire::new("specular", "specular_product / 2^C, rounded", "0", "2^(C + 4) - 1")
-            .made_by(Kind::Rounded { of: "specular_product", bits: "C" }),
+            .made_by(WireKind::Rounded { of: "specular_product", bits: "C" }),
     ]
     .map(|wire| wire.of("light").times("3 * LIGHTS"))
     .to_vec()
 }
 
-impl Unit for Phong {
+impl Unit for PhongSheet {
     fn sheet(&self) -> Sheet {
         let half = [
             Wire::new("index", "cosine / 2^(B − 1 − P), rounded", "0", "2^P")
-                .made_by(Kind::Rounded { of: "cosine", bits: "B - 1 - P" }),
+                .made_by(WireKind::Rounded { of: "cosine", bits: "B - 1 - P" }),
             Wire::new("power", "the table at index; 0 for a light behind one that lights from one side", "0", "2^C"),
         ]
         .map(|wire| wire.of("half").times("LIGHTS"));
@@ -112,7 +112,7 @@ impl Unit for Phong {
         }
     }
 
-    fn evaluate(&self, format: &Format, tables: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, format: &UnitFormat, tables: &Tables, inputs: &[i128], probe: &mut WireRecorder) -> Vec<i128> {
         let (normal, registers) = line(format, tables, inputs);
         let towards = |light: usize| [registers.lights[light].direction, registers.lights[light].halfway];
         let light = phong_wires(normal, &registers, towards, &format.words, probe);
@@ -120,19 +120,19 @@ impl Unit for Phong {
     }
 
     /// The powers of the material that a scene has unless it says otherwise.
-    fn tables(&self, format: &Format) -> Tables {
+    fn tables(&self, format: &UnitFormat) -> Tables {
         let powers = Registers::powers(Material::default().shininess, format.power_bits, format.words.colour_bits);
         vec![powers.into_iter().map(i128::from).collect()]
     }
 
     /// One light, and of some words three.
-    fn formats(&self) -> Vec<Format> {
+    fn formats(&self) -> Vec<UnitFormat> {
         let formats = word_formats();
-        let three = [0, 1, 8].map(|i| Format { lights: 3, ..formats[i] });
+        let three = [0, 1, 8].map(|i| UnitFormat { lights: 3, ..formats[i] });
         formats.into_iter().chain(three).collect()
     }
 
-    fn lanes(&self, format: &Format, tables: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+    fn lanes(&self, format: &UnitFormat, tables: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
         let answer = |inputs: &Vec<i128>| {
             let (normal, registers) = line(format, tables, inputs);
             let rows = phong_rows(normal.map(|component| vec![component]), &registers, &format.words);

@@ -2,16 +2,16 @@
 
 use super::modes::{MODE, legal};
 use crate::unit::Reader;
-use crate::{Format, Kind, Port, Recorder, Sheet, Tables, Unit, Wire};
+use crate::{Port, Sheet, Tables, Unit, UnitFormat, Wire, WireKind, WireRecorder};
 use cube3_cone::golden::{Node, pixel_wires};
 use cube3_frame::ConeRegisters;
 use cube3_machine::ConeOrder;
 use cube3_scene::Mode;
 
 /// The pixel.
-pub struct Pixel;
+pub struct PixelSheet;
 
-impl Unit for Pixel {
+impl Unit for PixelSheet {
     fn sheet(&self) -> Sheet {
         Sheet {
             name: "pixel",
@@ -34,13 +34,13 @@ impl Unit for Pixel {
                 Wire::new("product", "sum · weight", "0", "4096 * (2^A - 1) * 2^32").times("4"),
                 Wire::new("mean", "product / 2^32, rounded", "0", "4096 * (2^A - 1)")
                     .times("4")
-                    .made_by(Kind::Rounded { of: "product", bits: "32" }),
-                Wire::new("held", "mean, at most full", "0", "2^A - 1").times("4").made_by(Kind::Held {
+                    .made_by(WireKind::Rounded { of: "product", bits: "32" }),
+                Wire::new("held", "mean, at most full", "0", "2^A - 1").times("4").made_by(WireKind::Held {
                     of: "mean",
                     low: "0",
                     high: "2^A - 1",
                 }),
-                Wire::new("overflow", "mean > full", "0", "1").times("4").made_by(Kind::Cases),
+                Wire::new("overflow", "mean > full", "0", "1").times("4").made_by(WireKind::Cases),
             ],
             outputs: vec![
                 Port::unsigned("pixel", "A", "unit words: red, green, blue (weighted), opacity").times("4"),
@@ -50,7 +50,7 @@ impl Unit for Pixel {
         }
     }
 
-    fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, format: &UnitFormat, _: &Tables, inputs: &[i128], probe: &mut WireRecorder) -> Vec<i128> {
         let mut fields = Reader::new(inputs);
         let mode = Mode::ALL[fields.word() as usize];
         let present = fields.flag();
@@ -66,13 +66,13 @@ impl Unit for Pixel {
         outputs
     }
 
-    fn legalise(&self, format: &Format, inputs: &mut [i128]) {
+    fn legalise(&self, format: &UnitFormat, inputs: &mut [i128]) {
         let (mode, present) = (inputs[0], inputs[1]);
         legal(format, mode, present, &mut 0, &mut inputs[2..6]);
     }
 
     /// Ties of the mean, which a random weight does not meet, and sums beyond full.
-    fn corners(&self, format: &Format) -> Vec<Vec<i128>> {
+    fn corners(&self, format: &UnitFormat) -> Vec<Vec<i128>> {
         let full = i128::from(cube3_word::unit_full(format.words.accumulator_bits));
         let half = 1_i128 << 31;
         [(1, half), (3, half), (full, half), (full, 1 << 32), (4096 * full, 1 << 20), (4096 * full, 1 << 32), (1, 1)]

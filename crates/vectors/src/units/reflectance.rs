@@ -2,15 +2,15 @@
 
 use super::contents::{Noise, colour, colours};
 use crate::unit::Reader;
-use crate::{Format, Kind, Port, Recorder, Sheet, Table, Tables, Unit, Wire, word_formats};
+use crate::{Port, Sheet, Table, Tables, Unit, UnitFormat, Wire, WireKind, WireRecorder, word_formats};
 use cube3_abc::golden::direction_index_wires;
 use cube3_frame::GradientScale;
 use cube3_machine::GradientMethod;
 
 /// The reflectance table.
-pub struct Reflectance;
+pub struct ReflectanceSheet;
 
-impl Unit for Reflectance {
+impl Unit for ReflectanceSheet {
     fn sheet(&self) -> Sheet {
         let meaning = "over face, second and first coordinate, that in the low bits; red in the low bits of an entry";
         let table = |name| Table { name, entries: "6 * 4^Q", bits: "3 * (C + 4)", meaning };
@@ -31,7 +31,8 @@ impl Unit for Reflectance {
             wires: vec![
                 Wire::new("size", "magnitude of a component", "0", "2^(G - 1)").times("3"),
                 Wire::new("largest", "the largest size", "0", "2^(G - 1)"),
-                Wire::new("face", "2 · axis of the largest, and 1 where it is negative", "0", "5").made_by(Kind::Cases),
+                Wire::new("face", "2 · axis of the largest, and 1 where it is negative", "0", "5")
+                    .made_by(WireKind::Cases),
                 Wire::new(
                     "dividend",
                     "size of the first and of the second other · 2^(Q − 1)",
@@ -40,11 +41,9 @@ impl Unit for Reflectance {
                 )
                 .times("2"),
                 Wire::new("quotient", "dividend / largest, rounded down", "0", "2^(Q - 1)").times("2"),
-                Wire::new("held", "quotient, held on the face", "0", "2^(Q - 1) - 1").times("2").made_by(Kind::Held {
-                    of: "quotient",
-                    low: "0",
-                    high: "2^(Q - 1) - 1",
-                }),
+                Wire::new("held", "quotient, held on the face", "0", "2^(Q - 1) - 1")
+                    .times("2")
+                    .made_by(WireKind::Held { of: "quotient", low: "0", high: "2^(Q - 1) - 1" }),
                 Wire::new(
                     "coordinate",
                     "2^(Q − 1) + held, or 2^(Q − 1) − 1 − held where the component is negative",
@@ -62,7 +61,7 @@ impl Unit for Reflectance {
         }
     }
 
-    fn evaluate(&self, format: &Format, tables: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, format: &UnitFormat, tables: &Tables, inputs: &[i128], probe: &mut WireRecorder) -> Vec<i128> {
         let mut fields = Reader::new(inputs);
         let (gradient, flat) = (fields.signed_words(), fields.word());
         let bits = format.words.colour_bits + 4;
@@ -73,13 +72,13 @@ impl Unit for Reflectance {
         [diffuse, specular].concat().into_iter().map(i128::from).collect()
     }
 
-    fn tables(&self, format: &Format) -> Tables {
+    fn tables(&self, format: &UnitFormat) -> Tables {
         let (entries, bits) = (6 << (2 * format.reflectance_bits), format.words.colour_bits + 4);
         vec![colours(3, entries, bits), colours(6, entries, bits)]
     }
 
     /// Gradients towards the middles and the edges of the cube's faces.
-    fn corners(&self, format: &Format) -> Vec<Vec<i128>> {
+    fn corners(&self, format: &UnitFormat) -> Vec<Vec<i128>> {
         let mut noise = Noise::new(9);
         let low = -(1 << (format.words.gradient_bits + format.kept_bits - 1));
         let high = -low - 1;
@@ -91,16 +90,17 @@ impl Unit for Reflectance {
 
     /// Small tables, as narrow gradients reach few entries; the default; what a scale keeps. With one bit of colour every line of the
     /// narrow words can be tried.
-    fn formats(&self) -> Vec<Format> {
-        let room =
-            |format: &Format| GradientScale::FACTOR_BITS.min(GradientScale::room(GradientMethod::Six, &format.words));
+    fn formats(&self) -> Vec<UnitFormat> {
+        let room = |format: &UnitFormat| {
+            GradientScale::FACTOR_BITS.min(GradientScale::room(GradientMethod::Six, &format.words))
+        };
         let small = word_formats().into_iter().take(5).map(|mut format| {
             if format.words.gradient_bits == 4 {
                 format.words.colour_bits = 1;
             }
-            Format { reflectance_bits: 2, ..format }
+            UnitFormat { reflectance_bits: 2, ..format }
         });
-        let default = Format::default();
-        small.chain([default, Format { kept_bits: room(&default), reflectance_bits: 4, ..default }]).collect()
+        let default = UnitFormat::default();
+        small.chain([default, UnitFormat { kept_bits: room(&default), reflectance_bits: 4, ..default }]).collect()
     }
 }

@@ -2,15 +2,15 @@
 
 use super::lerp_wires;
 use crate::unit::Reader;
-use crate::{Format, Port, Recorder, Sheet, Tables, Unit};
+use crate::{Port, Sheet, Tables, Unit, UnitFormat, WireRecorder};
 use cube3_trilin::golden::{Weights, cell_wires, lift};
 use cube3_trilin::lanes::TrilinLanes;
-use cube3_word::BLOCK;
+use cube3_word::BLOCK_LANES;
 
 /// TRILIN.
-pub struct Trilin;
+pub struct TrilinSheet;
 
-impl Unit for Trilin {
+impl Unit for TrilinSheet {
     fn sheet(&self) -> Sheet {
         let parts = [lerp_wires("along_w", "4"), lerp_wires("along_u", "2"), lerp_wires("along_v", "1")];
         Sheet {
@@ -35,7 +35,7 @@ impl Unit for Trilin {
         }
     }
 
-    fn evaluate(&self, format: &Format, _: &Tables, inputs: &[i128], probe: &mut Recorder) -> Vec<i128> {
+    fn evaluate(&self, format: &UnitFormat, _: &Tables, inputs: &[i128], probe: &mut WireRecorder) -> Vec<i128> {
         let mut fields = Reader::new(inputs);
         let voxels: [u32; 8] = fields.words();
         let corners =
@@ -44,7 +44,7 @@ impl Unit for Trilin {
         vec![cell_wires(corners, Weights { w, u, v }, &format.words, probe).into()]
     }
 
-    fn lanes(&self, format: &Format, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
+    fn lanes(&self, format: &UnitFormat, _: &Tables, lines: &[Vec<i128>]) -> Option<Vec<Vec<i128>>> {
         let lanes = TrilinLanes::new(&format.words);
         // The offset along w is one for a row: of each line, a row of one.
         let edges: Vec<Vec<i32>> = (0..4)
@@ -55,12 +55,12 @@ impl Unit for Trilin {
                     out[0]
                 };
                 let mut row: Vec<i32> = lines.iter().map(along_w).collect();
-                row.resize(lines.len().next_multiple_of(BLOCK), 0);
+                row.resize(lines.len().next_multiple_of(BLOCK_LANES), 0);
                 row
             })
             .collect();
         // Rows have whole blocks.
-        let room = lines.len().next_multiple_of(BLOCK);
+        let room = lines.len().next_multiple_of(BLOCK_LANES);
         let weights = |i: usize| {
             let mut row: Vec<u32> = lines.iter().map(|line| line[i] as u32).collect();
             row.resize(room, 0);

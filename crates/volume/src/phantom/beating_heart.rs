@@ -19,7 +19,7 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec3};
 
 use super::PhantomParams;
-use super::blocks::{BLOCK, sample_in_blocks};
+use super::blocks::{half_diagonal, sample_in_blocks};
 use super::solid::{Body, Solid, smooth_coverage};
 use crate::{Volume, VolumeError};
 
@@ -113,7 +113,7 @@ pub(super) fn beating_heart(size: usize, params: &PhantomParams) -> Result<Volum
     let middle = (size as f64 - 1.0) / 2.0;
     let place = |v: [f64; 3]| (DVec3::from(v) - middle) * mm;
     sample_in_blocks(size, |centre| {
-        let radius = (BLOCK as f64 - 1.0) * 3f64.sqrt() / 2.0 * mm;
+        let radius = half_diagonal() * mm;
         let near = scene.near(place(centre), radius, RAMP_VOXELS * mm);
         move |voxel| near.density(place(voxel), RAMP_VOXELS * mm).round() as u8
     })

@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use super::blocks::{BLOCK, sample_in_blocks};
+use super::blocks::{half_diagonal, sample_in_blocks};
 use super::solid::{Body, Solid, smooth_coverage};
 use crate::{Volume, VolumeError};
 
@@ -27,7 +27,7 @@ pub(super) fn engine(size: usize) -> Result<Volume, VolumeError> {
     let middle = (size as f64 - 1.0) / 2.0;
     let place = |v: [f64; 3]| (DVec3::from(v) - middle) * unit;
     sample_in_blocks(size, |centre| {
-        let radius = (BLOCK as f64 - 1.0) * 3f64.sqrt() / 2.0 * unit;
+        let radius = half_diagonal() * unit;
         let reach = RAMP_VOXELS * unit;
         let near = |s: &Solid| s.near(place(centre), radius, reach);
         let (casting, sleeves, shaft, bolts) = (near(&casting), near(&sleeves), near(&shaft), near(&bolts));

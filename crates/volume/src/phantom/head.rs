@@ -12,7 +12,7 @@
 
 use glam::DVec3;
 
-use super::blocks::{BLOCK, sample_in_blocks};
+use super::blocks::{half_diagonal, sample_in_blocks};
 use super::solid::{Body, FAR, Solid, smooth_coverage};
 use crate::{Volume, VolumeError};
 
@@ -46,7 +46,7 @@ pub(super) fn head(size: usize) -> Result<Volume, VolumeError> {
     };
     sample_in_blocks(size, |centre| {
         // Half the block's diagonal; folding at x = 0 brings points no further apart.
-        let radius = (BLOCK as f64 - 1.0) * 3f64.sqrt() / 2.0 * mm;
+        let radius = half_diagonal() * mm;
         let near = head.near(place(centre), radius, RAMP_VOXELS * mm);
         move |voxel| near.density(place(voxel), RAMP_VOXELS * mm).round() as u8
     })

@@ -1,7 +1,6 @@
 //! Volumes from formulas.
 
-use std::fmt;
-use std::str::FromStr;
+use strum::{Display, EnumString, IntoStaticStr, VariantArray};
 
 use crate::{Volume, VolumeError};
 
@@ -15,7 +14,8 @@ mod solid;
 mod sphere;
 
 /// A volume made by a formula.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Display, EnumString, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case", parse_err_ty = VolumeError, parse_err_fn = unknown)]
 pub enum Phantom {
     /// A human head as a CT scanner sees it.
     Head,
@@ -54,31 +54,11 @@ pub struct PhantomParams {
 
 impl Phantom {
     /// All of them.
-    pub const ALL: [Phantom; 9] = [
-        Phantom::Head,
-        Phantom::Sphere,
-        Phantom::MarschnerLobb,
-        Phantom::SheppLogan,
-        Phantom::Shells,
-        Phantom::Fog,
-        Phantom::Engine,
-        Phantom::Checker,
-        Phantom::BeatingHeart,
-    ];
+    pub const ALL: [Phantom; Phantom::VARIANTS.len()] = *Phantom::VARIANTS.first_chunk().unwrap();
 
-    /// The name, as [`FromStr`] reads it.
+    /// The name, as it is read.
     pub fn name(self) -> &'static str {
-        match self {
-            Phantom::Head => "head",
-            Phantom::Sphere => "sphere",
-            Phantom::MarschnerLobb => "marschner-lobb",
-            Phantom::SheppLogan => "shepp-logan",
-            Phantom::Shells => "shells",
-            Phantom::Fog => "fog",
-            Phantom::Engine => "engine",
-            Phantom::Checker => "checker",
-            Phantom::BeatingHeart => "beating-heart",
-        }
+        self.into()
     }
 
     /// Whether it changes with [`PhantomParams::phase`].
@@ -114,20 +94,10 @@ impl Phantom {
     }
 }
 
-impl fmt::Display for Phantom {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-impl FromStr for Phantom {
-    type Err = VolumeError;
-
-    fn from_str(name: &str) -> Result<Self, VolumeError> {
-        Phantom::ALL.into_iter().find(|p| p.name() == name).ok_or_else(|| VolumeError::Parameter {
-            name: "phantom",
-            reason: format!("'{name}' is not known"),
-            remedy: "write head, sphere, marschner-lobb, shepp-logan, shells, fog, engine, checker or beating-heart",
-        })
-    }
+fn unknown(name: &str) -> VolumeError {
+    VolumeError::unknown(
+        "phantom",
+        name,
+        "write head, sphere, marschner-lobb, shepp-logan, shells, fog, engine, checker or beating-heart",
+    )
 }

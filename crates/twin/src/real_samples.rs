@@ -1,9 +1,9 @@
 //! Samples and gradients of single rays, taken one by one: for tests, metrics and questions.
 
-use crate::RaycastError;
+use crate::TwinError;
 use crate::check::check_geometry;
-use crate::gradient::Estimator;
-use crate::steps::{Interpolation, Step, steps};
+use crate::gradient::RealEstimator;
+use crate::steps::{SampleCell, Step, steps};
 use crate::voxels::Voxels;
 use cube3_frame::{DiscreteRay, Geometry};
 use cube3_machine::GradientMethod;
@@ -12,14 +12,14 @@ use cube3_volume::{Volume, with_samples};
 use glam::DVec3;
 
 /// The samples that [`true_3d`](crate::true_3d) and [`sheared`](crate::sheared) take, to the bit.
-pub struct RaySamples<'a> {
+pub struct RealSamples<'a> {
     volume: &'a Volume,
     geometry: &'a Geometry,
     steps: Vec<Step>,
     border: f64,
 }
 
-impl<'a> RaySamples<'a> {
+impl<'a> RealSamples<'a> {
     /// The samples of a volume under a geometry; neighbours that do not exist have the value `border`.
     ///
     /// # Errors
@@ -27,12 +27,12 @@ impl<'a> RaySamples<'a> {
     pub fn new(
         volume: &'a Volume,
         geometry: &'a Geometry,
-        interpolation: Interpolation,
+        interpolation: SampleCell,
         border: f64,
-    ) -> Result<Self, RaycastError> {
+    ) -> Result<Self, TwinError> {
         check_volume(volume, border)?;
         check_geometry(volume, geometry)?;
-        Ok(RaySamples { volume, geometry, steps: steps(geometry, interpolation), border })
+        Ok(RealSamples { volume, geometry, steps: steps(geometry, interpolation), border })
     }
 
     /// Sample `k` of a ray, where the machine takes one.
@@ -56,16 +56,16 @@ impl<'a> RaySamples<'a> {
     /// [`Basis`](crate::Basis), in values per smallest voxel spacing (method 10: raw differences in
     /// proportion).
     pub fn gradient(&self, ray: DiscreteRay, k: i64, method: GradientMethod) -> [f64; 3] {
-        self.estimate(&Estimator::new(self.geometry, self.volume.spacing, method), ray, k)
+        self.estimate(&RealEstimator::new(self.geometry, self.volume.spacing, method), ray, k)
     }
 
     /// The same as a vector in the world.
     pub fn world_gradient(&self, ray: DiscreteRay, k: i64, method: GradientMethod) -> DVec3 {
-        let estimator = Estimator::new(self.geometry, self.volume.spacing, method);
+        let estimator = RealEstimator::new(self.geometry, self.volume.spacing, method);
         estimator.basis.world(&self.geometry.axes, self.estimate(&estimator, ray, k))
     }
 
-    fn estimate(&self, estimator: &Estimator, ray: DiscreteRay, k: i64) -> [f64; 3] {
+    fn estimate(&self, estimator: &RealEstimator, ray: DiscreteRay, k: i64) -> [f64; 3] {
         estimator
             .gradient(|[i, j, l]| self.sample(DiscreteRay { u: ray.u + i, v: ray.v + j }, k + l).unwrap_or(self.border))
     }
