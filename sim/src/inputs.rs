@@ -42,6 +42,8 @@ pub struct LoadedVolume {
     pub conversion: ConversionReport,
     /// What its file left to be said, in sentences.
     pub notes: Vec<String>,
+    /// Seconds that it took to read or make the data and to turn them into words; none where the data were given.
+    pub made_s: Option<f64>,
 }
 
 impl LoadedVolume {
@@ -125,7 +127,7 @@ pub fn read_options(source: &VolumeSource, options: &ReadOptions) -> ReadOptions
 /// # Errors
 /// As [`data`], and values that are not finite where `mask` is not set.
 pub fn volume(scene: &Scene, machine: &MachineSpec, options: &ReadOptions, mask: bool) -> Outcome<LoadedVolume> {
-    let _waiting = Waiting::new("volume");
+    let waiting = Waiting::new("volume");
     let Incoming { source, data, mut notes } = data(&scene.volume, options)?;
     notes.extend(directions::old_format_note(scene, &data.world));
     let loaded = if scene.volume.labels {
@@ -133,7 +135,7 @@ pub fn volume(scene: &Scene, machine: &MachineSpec, options: &ReadOptions, mask:
     } else {
         to_words(source, data, scene.volume.window, machine, mask)?
     };
-    Ok(LoadedVolume { notes, ..loaded })
+    Ok(LoadedVolume { notes, made_s: Some(waiting.seconds()), ..loaded })
 }
 
 /// Converts data to a machine's voxel words; the window is that of the data where none is given.
@@ -206,7 +208,7 @@ fn convert(
     } else {
         data
     };
-    Ok(LoadedVolume { source, single, data, words, conversion, notes: Vec::new() })
+    Ok(LoadedVolume { source, single, data, words, conversion, notes: Vec::new(), made_s: None })
 }
 
 /// Reads a scene file, or takes the default scene.

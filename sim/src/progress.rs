@@ -8,7 +8,10 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Something of unknown length: a line that appears if it takes longer than a second, and goes with the value.
-pub struct Waiting(ProgressBar);
+pub struct Waiting {
+    start: Instant,
+    line: ProgressBar,
+}
 
 impl Waiting {
     /// Starts waiting.
@@ -16,13 +19,18 @@ impl Waiting {
         let line = ProgressBar::new_spinner().with_message(what);
         // Nothing is drawn before the first tick.
         line.enable_steady_tick(PATIENCE);
-        Waiting(line)
+        Waiting { start: Instant::now(), line }
+    }
+
+    /// Seconds since the start.
+    pub fn seconds(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
     }
 }
 
 impl Drop for Waiting {
     fn drop(&mut self) {
-        self.0.finish_and_clear();
+        self.line.finish_and_clear();
     }
 }
 

@@ -27,7 +27,7 @@ use cube3_plan::{Item, Savings};
 use cube3_report::{
     ChannelReport, DigestReport, ErrorReport, LeftOut, LinkReport, MemoryTraffic, OpacityReport, PassReport,
     PerspectiveReport, PlanReport, Program, ReorderTraffic, RunReport, SCHEMA, SavingsReport, SequenceReport,
-    TimingCounts, TrafficReport, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport, sha256_hex,
+    SourcesReport, TimingCounts, TrafficReport, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport, sha256_hex,
 };
 use cube3_scene::Scene;
 use std::collections::BTreeMap;
@@ -171,7 +171,8 @@ pub fn run_frame_with(
         }
     };
     let samples = frames.setups.iter().map(|setup| setup.geometry.sample_count()).sum();
-    let wall = WallReport { reference_s, total_s: Some(total.finish()), ..run.wall(samples) };
+    let total_s = Some(total.finish() + volume.made_s.unwrap_or(0.0));
+    let wall = WallReport { volume_s: volume.made_s, reference_s, total_s, ..run.wall(samples) };
     let asked = Asked { scene: as_asked, machine, volume, options };
     let opacity = findings.opacity();
     let found =
@@ -224,6 +225,8 @@ impl Asked<'_> {
         let report = RunReport {
             schema: SCHEMA,
             program: Program { name: "cube3".into(), version: env!("CARGO_PKG_VERSION").into() },
+            command: Vec::new(),
+            sources: SourcesReport::default(),
             fidelity: options.runs.name().into(),
             seed: options.seed,
             scene: serde_json::to_value(scene)?,
@@ -232,7 +235,13 @@ impl Asked<'_> {
                 source: volume.source.clone(),
                 dims: volume.dims(),
                 spacing: volume.words.spacing,
-                conversion: conversion(scene, volume).into(),
+                conversion: conversion(scene, volume),
+                window: volume.conversion.window,
+                word_bits: volume.conversion.bits,
+                scale: Some(volume.conversion.scale).filter(|scale| scale.is_finite()),
+                clipped_below: volume.conversion.clipped_below,
+                clipped_above: volume.conversion.clipped_above,
+                masked: volume.conversion.masked,
                 axes: directions::axes_report(&volume.data.world),
             },
             view: view_report(scene, volume, frames)?,
@@ -580,6 +589,8 @@ fn traffic_report(machine: &MachineSpec, counters: &RunCounters) -> TrafficRepor
 fn channel_reports(counters: &RunCounters) -> Vec<ChannelReport> {
     let report = |reading: &crate::machine::ChannelReading| ChannelReport {
         name: reading.name.into(),
+        from: reading.joint.from.into(),
+        to: reading.joint.to.into(),
         capacity: reading.capacity as u64,
         latency: reading.latency,
         pushes: reading.counters.pushes,

@@ -58,6 +58,8 @@ pub struct Series {
     kept: VecDeque<(u64, Arc<LoadedVolume>)>,
     /// Words held at the ends of the window, of each volume that has been loaded.
     clipped: BTreeMap<u64, u64>,
+    /// Seconds that all volumes together took to read or make.
+    made_s: f64,
 }
 
 impl Series {
@@ -87,6 +89,7 @@ impl Series {
         let clipped = BTreeMap::from([(0, first.conversion.clipped_below + first.conversion.clipped_above)]);
         Ok(Series {
             window: first.words.window,
+            made_s: first.made_s.unwrap_or(0.0),
             source,
             machine: machine.clone(),
             options: options.clone(),
@@ -141,6 +144,7 @@ impl Series {
                 volume.source, here.dims, here.spacing, self.first.source, first.dims, first.spacing
             )));
         }
+        self.made_s += volume.made_s.unwrap_or(0.0);
         (volume.words.spacing, volume.data.spacing) = (first.spacing, first.spacing);
         self.clipped.insert(index, volume.conversion.clipped_below + volume.conversion.clipped_above);
         let volume = Arc::new(volume);
@@ -183,7 +187,7 @@ fn load(
     options: &ReadOptions,
     mask: bool,
 ) -> Outcome<LoadedVolume> {
-    let _waiting = Waiting::new("volume");
+    let waiting = Waiting::new("volume");
     let mut one = source.clone();
     if let Some((file, time)) = items.get(index as usize) {
         (one.file, one.files, one.time) = (Some(file.clone()), Vec::new(), Some(*time));
@@ -198,7 +202,7 @@ fn load(
     } else {
         inputs::to_words(name, data, window, machine, mask)?
     };
-    Ok(LoadedVolume { notes, ..loaded })
+    Ok(LoadedVolume { notes, made_s: Some(waiting.seconds()), ..loaded })
 }
 
 /// A frame of the sequence, as it is made.
@@ -312,7 +316,7 @@ pub fn run_sequence(
                 Some(bases)
             }
         };
-        let (mut error, mut remark, mut digest) = (None, None, DigestReport::default());
+        let (mut error, mut object, mut remark, mut digest) = (None, None, None, DigestReport::default());
         if let Some(bases) = &bases {
             let (mut shown, made) = show(bases, &frame, view, &first)?;
             digest = made;
@@ -326,10 +330,10 @@ pub fn run_sequence(
                     let mut report = measure(options.reference, view, &frame, &expected, picture, &mut shown)?;
                     run.told.extend(reference::note(own.as_ref(), &report));
                     report.reference = own;
-                    (error, remark) = (report.whole, report.remark.clone());
+                    (error, object, remark) = (report.whole, report.footprint.error, report.remark.clone());
                     first_error = Some(report);
                 } else {
-                    error = difference(&shown, &picture, view.background)?;
+                    [error, object] = difference(&shown, &picture, view.background)?;
                     remark = error.is_none().then(|| NO_OBJECT.into());
                 }
             }
@@ -360,6 +364,7 @@ pub fn run_sequence(
             mixed_beams: mixture.mixed_beams,
             first_torn_plane: mixture.first_torn_plane,
             error,
+            footprint: object,
             remark,
             digest,
         });
@@ -383,6 +388,7 @@ pub fn run_sequence(
         time_s: clocked.as_ref().map(|clocked| clocked.counters.cycles as f64 / machine.clock_hz),
         playback_fps: pictures.image.is_some().then_some(playback_fps),
         acquisition,
+        animation: None,
         frames: reports,
     };
     let clocked_port = port.is_some();
@@ -392,7 +398,9 @@ pub fn run_sequence(
             run.overflows = clocked.overflows;
         }
     }
-    let wall = WallReport { reference_s, total_s: Some(total.finish()), ..run.wall(samples) };
+    // The first volume was there before the clock ran.
+    let total_s = Some(total.finish() + first.made_s.unwrap_or(0.0));
+    let wall = WallReport { volume_s: Some(series.made_s), reference_s, total_s, ..run.wall(samples) };
     let asked = Asked { scene, machine, volume: &first, options };
     let findings = Findings::new(&views[0], machine, &first, &frame);
     let found = Found {
@@ -496,11 +504,12 @@ fn content(series: &mut Series, sight: Option<&Sight<'_>>, mixture: &Mixture) ->
     Ok(Content::Mixed(sight.assemble(mixture.oldest, &words)))
 }
 
-fn difference(shown: &Pictures, reference: &Picture, background: [f64; 3]) -> Outcome<Option<ImageError>> {
+/// The errors of a frame over the whole picture and over the object; none where neither picture shows one.
+fn difference(shown: &Pictures, reference: &Picture, background: [f64; 3]) -> Outcome<[Option<ImageError>; 2]> {
     let image = shown.image.as_ref().ok_or_else(|| Problem::new("there is no picture to measure"))?;
     let object = footprint(image, reference, background)?;
-    let whole = compare(image, reference, None)?.whole;
-    Ok(object.any().then_some(whole))
+    let comparison = compare(image, reference, Some(&object))?;
+    Ok([comparison.footprint.and(Some(comparison.whole)), comparison.footprint])
 }
 
 /// Frames per second between the ends of the first and the last frame; of one frame, from its start.

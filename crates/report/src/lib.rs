@@ -11,29 +11,36 @@
 
 mod bars;
 mod check;
+mod command_line;
 mod digest;
+mod drawing;
 mod error;
 mod facts;
+mod glossary;
+mod headline;
 mod html;
 mod json;
 mod measures;
 mod opacity_report;
 mod parameter_list;
+mod pictures;
 mod png;
 mod quantity;
 mod resources_report;
 mod run_report;
 mod savings;
+mod schema;
 mod sequence;
 mod shares;
 mod table;
 
 pub use digest::sha256_hex;
 pub use error::ReportError;
-pub use html::{Figure, html};
+pub use html::html;
 pub use json::{from_json, to_json, write_json};
 pub use opacity_report::{OpacityChange, OpacityReport};
 pub use parameter_list::{name_list, parameter_list};
+pub use pictures::Figure;
 pub use png::{png_rgb8, to_rgb8};
 pub use quantity::{count, number, percentage};
 pub use resources_report::{
@@ -42,9 +49,10 @@ pub use resources_report::{
 };
 pub use run_report::{
     AxesReport, ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, NO_OBJECT, PassReport,
-    PerspectiveReport, PlanReport, Program, ReferenceError, RunReport, SCHEMA, SidesReport, TimingCounts, TimingReport,
+    PerspectiveReport, PlanReport, Program, ReferenceError, RunReport, SCHEMA, SidesReport, SourcesReport, TimingCounts, TimingReport,
     UnitReport, ViewReport, VolumeReport, WallReport, WordsReport,
 };
 pub use savings::SavingsReport;
+pub use schema::JSON_SCHEMA;
 pub use sequence::{AcquisitionReport, FrameReport, SequenceReport};
 pub use table::table;

@@ -5,7 +5,7 @@ use crate::checkpoint;
 use crate::clocked::{Stops, TraceRequest};
 use crate::inputs::{self, LoadedVolume};
 use crate::memory::{Case, Grid};
-use crate::output::{SequenceFiles, write_run, write_whole};
+use crate::output::{ANIMATION, SequenceFiles, write_run, write_whole};
 use crate::problem::{Outcome, Problem};
 use crate::reference::Reference;
 use crate::run::{RunOptions, Runs, conversion, run_frame_with};
@@ -13,10 +13,11 @@ use crate::sequence::{KEPT_VOLUMES, MOST_FRAMES, Series, Shown, run_sequence};
 use crate::topology::Drawing;
 use crate::trace::{Format, Window};
 use clap::{Args, Parser, ValueEnum};
-use cube3_machine::{AcquisitionMode, GradientMethod, MachineSpec, RayEnds, RaySlots, TemplateRule};
-use cube3_report::table;
+use cube3_machine::{AcquisitionMode, GradientMethod, MachineSpec, PRESETS, RayEnds, RaySlots, TemplateRule};
+use cube3_report::{JSON_SCHEMA, SourcesReport, table};
 use cube3_scene::{FileAxes, Mode, Path, Perspective, Scene, View, VolumeSource};
 use cube3_volume::ReadOptions;
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -138,6 +139,9 @@ pub struct RunArguments {
     /// Print the default machine, commented, and stop.
     #[arg(long)]
     print_machine: bool,
+    /// Print the JSON schema of report.json, and stop.
+    #[arg(long)]
+    print_schema: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
@@ -211,6 +215,9 @@ impl RunArguments {
         if self.print_machine {
             return print(&MachineSpec::default().commented());
         }
+        if self.print_schema {
+            return print(JSON_SCHEMA);
+        }
         keep_inputs(self.scene.as_deref(), &self.machine, &self.out)?;
         let mut stops = self.stops()?;
         let drawing = self.topology.as_deref().map(Drawing::of).transpose()?;
@@ -230,7 +237,7 @@ impl RunArguments {
         };
         self.check_memory(&scene, &machine, &read, &options)?;
         stops.resume = self.resume.as_deref().map(checkpoint::read).transpose()?;
-        let (result, files) = on_threads(self.threads, || {
+        let (mut result, mut files) = on_threads(self.threads, || {
             let started = |volume: &LoadedVolume| {
                 let [nx, ny, nz] = volume.dims();
                 print(&format!("{}: {nx} × {ny} × {nz}\n{}\n", volume.source, conversion(&scene, volume)))
@@ -247,6 +254,11 @@ impl RunArguments {
             let result = run_sequence(&scene, &machine, &mut series, frames, &options, take)?;
             Ok((result, Some(files)))
         })?;
+        result.report.command = command(std::env::args_os().skip(1));
+        result.report.sources = self.sources();
+        if let Some(sequence) = result.report.sequence.as_mut().filter(|_| result.pictures.image.is_some()) {
+            sequence.animation = Some(ANIMATION.into());
+        }
         print(&table(&result.report))?;
         for note in &result.notes {
             print(&format!("\nnote: {note}\n"))?;
@@ -254,7 +266,8 @@ impl RunArguments {
         if self.frames.is_none() && scene.path.is_some() {
             print("\nnote: this is the scene's own view; --frames N goes along its path\n")?;
         }
-        let mut written = write_run(&self.out, &result, &scene, &machine)?;
+        let animation = files.as_mut().map(SequenceFiles::animation).transpose()?.flatten();
+        let mut written = write_run(&self.out, &result, animation.as_deref(), &scene, &machine)?;
         if let (Some(path), Some(drawing), Some(counters)) = (&self.topology, drawing, &result.counters) {
             write_whole(path, drawing.draw(counters).as_bytes())?;
             written.push(path.display().to_string());
@@ -382,6 +395,16 @@ impl RunArguments {
         Ok(())
     }
 
+    /// Where scene and machine come from.
+    fn sources(&self) -> SourcesReport {
+        let preset = PRESETS.iter().any(|(name, _)| *name == self.machine);
+        SourcesReport {
+            scene_file: self.scene.as_ref().map(|file| file.display().to_string()),
+            machine_file: (!preset).then(|| self.machine.clone()),
+            machine_preset: preset.then(|| self.machine.clone()),
+        }
+    }
+
     fn machine(&self) -> Outcome<MachineSpec> {
         let mut machine = inputs::machine(&self.machine)?;
         machine.abc.gradient = self.gradient.unwrap_or(machine.abc.gradient);
@@ -410,6 +433,22 @@ impl RunArguments {
         machine.check(&self.machine)?;
         Ok(machine)
     }
+}
+
+/// The command for the report: the program and its arguments, without the options that change nothing that is measured. So the same run gives
+/// the same report on any number of threads and in any folder.
+fn command(arguments: impl Iterator<Item = OsString>) -> Vec<String> {
+    const ASIDE: [&str; 2] = ["--threads", "--out"];
+    let mut words = vec!["cube3".to_owned()];
+    let mut arguments = arguments.map(|argument| argument.to_string_lossy().into_owned());
+    while let Some(argument) = arguments.next() {
+        if ASIDE.contains(&argument.as_str()) {
+            arguments.next();
+        } else if !argument.split_once('=').is_some_and(|(option, _)| ASIDE.contains(&option)) {
+            words.push(argument);
+        }
+    }
+    words
 }
 
 /// The resolved scene and machine are written into the folder; they must not take the place of the files read.
@@ -443,6 +482,15 @@ mod tests {
     fn view(arguments: &[&str]) -> Outcome<View> {
         let run = Alone::try_parse_from([&["cube3"], arguments].concat()).unwrap().run;
         run.scene().map(|scene| scene.view)
+    }
+
+    #[test]
+    fn the_command_is_told_without_threads_and_folder() {
+        let told = |arguments: &[&str]| command(arguments.iter().map(OsString::from)).join(" ");
+        assert_eq!(told(&[]), "cube3");
+        assert_eq!(told(&["run", "--threads", "2", "--yaw", "-30", "--out", "a b"]), "cube3 run --yaw -30");
+        assert_eq!(told(&["run", "--out=x", "--threads=1", "--yaw=5"]), "cube3 run --yaw=5");
+        assert_eq!(told(&["run", "--outer", "--threads"]), "cube3 run --outer");
     }
 
     #[test]
