@@ -57,7 +57,7 @@ pub fn write_run(
     }
     let still = shown.iter().map(|&(i, title, caption)| Figure { title, caption, png: &files[i].1, still: None });
     let first = pictures.image.as_ref().and(files.first()).map(|(_, png)| png.as_slice());
-    let caption = "All frames one after the other; the pictures beside it are of the first.";
+    let caption = "All frames one after the other; the other pictures are of the first.";
     let moving = animation.map(|png| Figure { title: "Animation", caption, png, still: first });
     let page: Vec<Figure> = moving.into_iter().chain(still).collect();
     let page = html(&result.report, &page);

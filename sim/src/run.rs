@@ -27,7 +27,8 @@ use cube3_plan::{Item, Savings};
 use cube3_report::{
     ChannelReport, DigestReport, ErrorReport, LeftOut, LinkReport, MemoryTraffic, OpacityReport, PassReport,
     PerspectiveReport, PlanReport, Program, ReorderTraffic, RunReport, SCHEMA, SavingsReport, SequenceReport,
-    SourcesReport, TimingCounts, TrafficReport, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport, sha256_hex,
+    SourcesReport, TimingCounts, TrafficReport, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport,
+    sha256_hex,
 };
 use cube3_scene::Scene;
 use std::collections::BTreeMap;

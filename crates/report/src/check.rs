@@ -4,8 +4,8 @@ use cube3_machine::OperatorCounts;
 use cube3_metrics::ImageError;
 
 use crate::{
-    ChannelReport, ErrorReport, OpacityReport, ReportError, ResourcesReport, RunReport, SCHEMA, TimingReport, TrafficReport,
-    UnitReport, measures,
+    ChannelReport, ErrorReport, OpacityReport, ReportError, ResourcesReport, RunReport, SCHEMA, TimingReport,
+    TrafficReport, UnitReport, measures,
 };
 
 /// How far two ways to compute one number may differ, relative to it.

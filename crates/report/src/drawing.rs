@@ -22,9 +22,11 @@ const DOES: [(&str, &str); 8] = [
 
 /// In the drawing's own units, of which a narrow telephone shows one as nearly a pixel.
 const WIDTH: u32 = 380;
-const BOX: u32 = 58;
+const BOX: u32 = 60;
 const GAP: u32 = 42;
 const BAR: u32 = 5;
+/// From the edges of a box to what is in it.
+const INSET: u32 = 12;
 /// From the left edge to the arrows.
 const ARROW: u32 = 24;
 
@@ -67,14 +69,15 @@ fn unit_box(unit: &UnitReport, top: u32) -> Markup {
     let waiting = u64::try_from(unit.waiting_cycles()).unwrap_or(u64::MAX);
     let busy = thousandths(&[unit.busy, unit.starved, unit.blocked, waiting])[0];
     let does = DOES.iter().find(|(name, _)| *name == unit.name).map_or("", |(_, does)| does);
-    let full = WIDTH - 2;
+    let track = WIDTH - 2 * INSET;
     html! {
         g {
-            rect.unit x="1" y=(top + 1) width=(full) height=(BOX) rx="6" {}
-            rect.work x="1" y=(top + 1 + BOX - BAR) width=(format!("{:.1}", f64::from(full) * f64::from(busy) / 1000.0)) height=(BAR) {}
-            text.unit x="12" y=(top + 22) { (unit.name) }
-            text.note x=(WIDTH - 12) y=(top + 22) text-anchor="end" { "busy " (percent(busy)) }
-            text x="12" y=(top + 43) { (does) }
+            rect.unit x="1" y=(top + 1) width=(WIDTH - 2) height=(BOX) rx="6" {}
+            rect.track x=(INSET) y=(top + BOX - BAR - 4) width=(track) height=(BAR) {}
+            rect.work x=(INSET) y=(top + BOX - BAR - 4) width=(format!("{:.1}", f64::from(track) * f64::from(busy) / 1000.0)) height=(BAR) {}
+            text.unit x=(INSET) y=(top + 21) { (unit.name) }
+            text.note x=(WIDTH - INSET) y=(top + 21) text-anchor="end" { "busy " (percent(busy)) }
+            text x=(INSET) y=(top + 41) { (does) }
         }
     }
 }

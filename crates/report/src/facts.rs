@@ -13,15 +13,14 @@ use crate::{
 /// What is said, and its value.
 pub(crate) type Fact = (&'static str, String);
 
-/// What was rendered, how, and by what.
-pub(crate) fn setup(report: &RunReport) -> Vec<Fact> {
+/// What the host made of what was asked for, and by what the report was written.
+pub(crate) fn derived(report: &RunReport) -> Vec<Fact> {
     let volume = &report.volume;
     let view = &report.view;
     let flips = flipped_axes(view.flips);
     let spacing = volume.spacing.map(number).join(" × ");
     let slopes = view.slopes.map(number).join(", ");
-    let mut facts = asked(report);
-    facts.extend([("Spacing", spacing), ("Voxel words", volume.conversion.clone())]);
+    let mut facts = vec![("Spacing", spacing), ("Voxel words", volume.conversion.clone())];
     facts.extend(volume.axes.iter().map(axes));
     facts.extend(view.sides.iter().map(sides));
     facts.extend([

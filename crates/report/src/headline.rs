@@ -42,14 +42,18 @@ fn measures(object: &ImageError) -> [Measure; 4] {
         _ if bias < 0.0 => "darker than the reference",
         _ => "as bright as the reference",
     };
-    let sign = if bias > 0.0 { "+" } else { "" };
+    let sign = match bias {
+        _ if bias > 0.0 => "+",
+        _ if bias < 0.0 => "−",
+        _ => "",
+    };
     [
         plain("Mean", object.mean_relative),
         plain("99th percentile", object.percentile_99),
         plain("Largest", object.max),
         Measure {
             name: "Bias",
-            part: format!("{sign}{}", percentage(bias)),
+            part: format!("{sign}{}", percentage(bias.abs())),
             levels: format!("{}, {side}", levels(bias.abs())),
         },
     ]

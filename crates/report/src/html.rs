@@ -61,7 +61,7 @@ pub fn html(report: &RunReport, figures: &[Figure]) -> String {
                     (traffic(report.traffic.as_ref()))
                     (resources(report.resources.as_ref()))
                     (overflows(report))
-                    section { h2 { "Set-up" } (listed(&facts::setup(report))) }
+                    section { h2 { "Set-up" } (listed(&facts::derived(report))) }
                     (wall(report))
                     (digests(&report.digest))
                     (glossary())

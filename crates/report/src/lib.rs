@@ -49,8 +49,8 @@ pub use resources_report::{
 };
 pub use run_report::{
     AxesReport, ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, NO_OBJECT, PassReport,
-    PerspectiveReport, PlanReport, Program, ReferenceError, RunReport, SCHEMA, SidesReport, SourcesReport, TimingCounts, TimingReport,
-    UnitReport, ViewReport, VolumeReport, WallReport, WordsReport,
+    PerspectiveReport, PlanReport, Program, ReferenceError, RunReport, SCHEMA, SidesReport, SourcesReport,
+    TimingCounts, TimingReport, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport,
 };
 pub use savings::SavingsReport;
 pub use schema::JSON_SCHEMA;

@@ -45,7 +45,15 @@ pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<
     let read = Measures::deserialize(deserializer)?;
     let numbers = [read.mean_relative, read.rms, read.max, read.fraction_off, read.percentile_99, read.bias];
     if let [Some(mean_relative), Some(rms), Some(max), Some(fraction_off), Some(percentile_99), Some(bias)] = numbers {
-        return Ok(Some(ImageError { psnr_db: read.psnr_db, mean_relative, rms, max, fraction_off, percentile_99, bias }));
+        return Ok(Some(ImageError {
+            psnr_db: read.psnr_db,
+            mean_relative,
+            rms,
+            max,
+            fraction_off,
+            percentile_99,
+            bias,
+        }));
     }
     if numbers.iter().all(Option::is_none) {
         return Ok(None);

@@ -161,7 +161,8 @@ impl SequenceReport {
 
     /// The frame whose object is furthest from its reference on the average, the earliest of equals, and its error over the object.
     pub(crate) fn worst(&self) -> Option<(usize, &ImageError)> {
-        let errors = self.frames.iter().enumerate().filter_map(|(index, frame)| Some((index, frame.footprint.as_ref()?)));
+        let errors =
+            self.frames.iter().enumerate().filter_map(|(index, frame)| Some((index, frame.footprint.as_ref()?)));
         errors.reduce(|worst, next| if next.1.mean_relative > worst.1.mean_relative { next } else { worst })
     }
 }

@@ -23,7 +23,7 @@ pub fn table(report: &RunReport) -> String {
     };
     section("Error over the object", object_error(report));
     section("What limits the frame rate", listed(headline::throughput(report)));
-    section("Set-up", listed(facts::setup(report)));
+    section("Set-up", listed([facts::asked(report), facts::derived(report)].concat()));
     match &report.timing {
         Some(timing) => {
             section("Throughput at the machine's clock", listed(facts::timing(timing)));

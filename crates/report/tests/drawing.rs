@@ -42,7 +42,14 @@ fn no_text_leaves_the_drawing() {
     let page = html(&report, &[]);
     // Wide letters of the page's font at 14 px are about 8 px wide on the average.
     for line in drawing(&page).split("<text").skip(1) {
-        let text: String = line.split("</text>").next().unwrap().split('<').filter_map(|piece| piece.split_once('>')).map(|(_, text)| text).collect();
+        let text: String = line
+            .split("</text>")
+            .next()
+            .unwrap()
+            .split('<')
+            .filter_map(|piece| piece.split_once('>'))
+            .map(|(_, text)| text)
+            .collect();
         assert!(text.chars().count() <= 47, "{text}");
     }
 }

@@ -57,7 +57,7 @@ fn the_first_number_of_the_page_is_the_error_over_the_object() {
         "20 %",
         "51 levels",
         "Bias",
-        "-1 %",
+        "−1 %",
         "2.55 levels, darker than the reference",
         "Frames per second",
         "488",
@@ -97,7 +97,11 @@ fn where_no_error_was_measured_it_says_why_in_that_place() {
     (timing.error, timing.digest.image) = (None, None);
     let mut plain = sample::report();
     plain.error = None;
-    let empty = ImageComparison { footprint: None, footprint_pixels: 0, whole: off(0.1, 0.1, 0.1, 0.0).error.unwrap().whole.unwrap() };
+    let empty = ImageComparison {
+        footprint: None,
+        footprint_pixels: 0,
+        whole: off(0.1, 0.1, 0.1, 0.0).error.unwrap().whole.unwrap(),
+    };
     let nothing = RunReport { error: Some(ErrorReport::new("true", &empty, 1.0)), ..sample::report() };
     for (report, why) in [
         (timing, "no picture was made: only the clock ran"),
@@ -149,7 +153,9 @@ fn what_was_asked_for_stands_on_page_and_table() {
 #[test]
 fn an_estimator_that_the_plan_left_out_is_said_to_be() {
     let mut report = sample::report();
-    assert!(table(&report).lines().any(|line| line.trim().starts_with("Gradient estimator") && line.trim().ends_with("12")));
+    assert!(
+        table(&report).lines().any(|line| line.trim().starts_with("Gradient estimator") && line.trim().ends_with("12"))
+    );
     report.plan.left_out[0].rule = "gradient-unit".into();
     report.plan.left_out[0].why = "nothing is shaded".into();
     assert!(table(&report).contains("12; left out here: nothing is shaded"));

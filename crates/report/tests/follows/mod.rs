@@ -39,7 +39,8 @@ fn holds(
     found: &mut Vec<String>,
 ) -> bool {
     // A rule of numbers says nothing of a text, and so on.
-    let number = |holds: fn(f64, f64) -> bool| value.as_f64().is_none_or(|value| holds(value, wanted.as_f64().unwrap()));
+    let number =
+        |holds: fn(f64, f64) -> bool| value.as_f64().is_none_or(|value| holds(value, wanted.as_f64().unwrap()));
     let length = |holds: fn(u64, u64) -> bool| {
         value.as_array().is_none_or(|items| holds(items.len() as u64, wanted.as_u64().unwrap()))
     };

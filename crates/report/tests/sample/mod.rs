@@ -166,7 +166,14 @@ fn unit(name: &str, busy: u64, starved: u64, blocked: u64, waiting: &[(&str, u64
     UnitReport { name: name.into(), busy, starved, blocked, waiting }
 }
 
-fn channel(name: &str, joins: [&str; 2], capacity: u64, latency: u64, pushes: u64, mean_occupancy: f64) -> ChannelReport {
+fn channel(
+    name: &str,
+    joins: [&str; 2],
+    capacity: u64,
+    latency: u64,
+    pushes: u64,
+    mean_occupancy: f64,
+) -> ChannelReport {
     let [from, to] = joins.map(String::from);
     ChannelReport {
         name: name.into(),
