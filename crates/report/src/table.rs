@@ -67,9 +67,9 @@ fn object_error(report: &RunReport) -> String {
     match headline::object_error(report) {
         Ok(measures) => {
             let rows = measures.map(|measure| vec![measure.name.into(), measure.part, measure.levels]);
-            let measures = render(&["", "of full range", "of 255"], rows.to_vec(), &[1]);
-            let against = headline::against(report).map(|against| ("Against", against));
-            format!("{measures}\n{}", listed(against.into_iter().collect()))
+            let mut rows = rows.to_vec();
+            rows.extend(headline::against(report).map(|against| vec!["Against".into(), String::new(), against]));
+            render(&["", "of full range", "of 255"], rows, &[1])
         }
         Err(why) => render(&[], vec![vec![format!("not measured: {why}")]], &[]),
     }
