@@ -13,16 +13,25 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 /// The animation's file.
-const ANIMATION: &str = "animation.png";
+pub const ANIMATION: &str = "animation.png";
+/// The largest animation that the page carries, in bytes; a larger one is a file beside it alone.
+const CARRIED: u64 = 8 << 20;
 /// The folder of a sequence's frames.
 const FRAMES: &str = "frames";
 
-/// Writes report, pictures, and the resolved scene and machine into a folder, which is made if it is not there. Pictures that
-/// an earlier run left there and this one did not make are removed.
+/// Writes report, pictures, and the resolved scene and machine into a folder, which is made if it is not there. The page shows the
+/// `animation` of a sequence, where one is given, before the pictures. Pictures that an earlier run left there and this one did not make are
+/// removed.
 ///
 /// # Errors
 /// What cannot be written, with its path.
-pub fn write_run(folder: &Path, result: &RunResult, scene: &Scene, machine: &MachineSpec) -> Outcome<Vec<String>> {
+pub fn write_run(
+    folder: &Path,
+    result: &RunResult,
+    animation: Option<&[u8]>,
+    scene: &Scene,
+    machine: &MachineSpec,
+) -> Outcome<Vec<String>> {
     let pictures = &result.pictures;
     let factor = result.report.error.as_ref().map_or(1.0, |error| error.difference_factor);
     let magnified = format!("Absolute difference, magnified {factor} times.");
@@ -45,8 +54,11 @@ pub fn write_run(folder: &Path, result: &RunResult, scene: &Scene, machine: &Mac
             not_made.push(name);
         }
     }
-    let page: Vec<Figure> =
-        shown.iter().map(|&(i, title, caption)| Figure { title, caption, png: &files[i].1 }).collect();
+    let still = shown.iter().map(|&(i, title, caption)| Figure { title, caption, png: &files[i].1, still: None });
+    let first = pictures.image.as_ref().and(files.first()).map(|(_, png)| png.as_slice());
+    let caption = "All frames one after the other; the other pictures are of the first.";
+    let moving = animation.map(|png| Figure { title: "Animation", caption, png, still: first });
+    let page: Vec<Figure> = moving.into_iter().chain(still).collect();
     let page = html(&result.report, &page);
     files.push(("report.html", page.into_bytes()));
     files.push(("report.json", to_json(&result.report)?.into_bytes()));
@@ -152,6 +164,8 @@ pub struct SequenceFiles {
     count: usize,
     made: usize,
     animation: Option<Animation<BufWriter<File>>>,
+    /// Whether the animation's file is whole.
+    animated: bool,
 }
 
 impl SequenceFiles {
@@ -162,7 +176,7 @@ impl SequenceFiles {
     pub fn new(folder: &Path, count: usize) -> Outcome<SequenceFiles> {
         let part = folder.join(".frames.part");
         std::fs::create_dir_all(&part).map_err(|error| failed(&part, error))?;
-        Ok(SequenceFiles { folder: folder.to_owned(), part, count, made: 0, animation: None })
+        Ok(SequenceFiles { folder: folder.to_owned(), part, count, made: 0, animation: None, animated: false })
     }
 
     /// Writes the next frame.
@@ -187,17 +201,35 @@ impl SequenceFiles {
         Ok(animation.push(&rgb)?)
     }
 
+    /// The animation once all frames are there; none of no pictures, and none that is too large for a page to carry.
+    ///
+    /// # Errors
+    /// Missing frames, and what cannot be written or read, with its path.
+    pub fn animation(&mut self) -> Outcome<Option<Vec<u8>>> {
+        let Some(animation) = self.animation.take() else {
+            return Ok(None);
+        };
+        animation.finish()?;
+        self.animated = true;
+        let path = self.part.join(ANIMATION);
+        let small = std::fs::metadata(&path).is_ok_and(|file| file.len() <= CARRIED);
+        small.then(|| std::fs::read(&path).map_err(|error| failed(&path, error))).transpose()
+    }
+
     /// Puts frames and animation into their places; those of an earlier sequence that this one did not make are removed.
     ///
     /// # Errors
     /// What cannot be written, with its path.
     pub fn finish(mut self) -> Outcome<Vec<String>> {
-        let Some(animation) = self.animation.take() else {
+        if let Some(animation) = self.animation.take() {
+            animation.finish()?;
+            self.animated = true;
+        }
+        if !self.animated {
             remove(&self.folder.join(ANIMATION))?;
             remove_frames(&self.folder, 0)?;
             return Ok(Vec::new());
-        };
-        animation.finish()?;
+        }
         let frames = self.folder.join(FRAMES);
         std::fs::create_dir_all(&frames).map_err(|error| failed(&frames, error))?;
         let names = (0..self.made).map(|frame| (frame_name(frame), frames.join(frame_name(frame))));

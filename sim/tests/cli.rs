@@ -1,5 +1,7 @@
 //! The command as a person uses it: files that appear, and mistakes that get one clear message and exit code 2.
 
+mod checked;
+
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -23,7 +25,7 @@ fn report(folder: &Path) -> serde_json::Value {
 }
 
 fn report_in(folder: &Path, out: &str) -> serde_json::Value {
-    serde_json::from_str(&std::fs::read_to_string(folder.join(out).join("report.json")).unwrap()).unwrap()
+    checked::report(&folder.join(out))
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Volumes of files in a run: their directions, their series, and what is said of them.
 
+mod checked;
+
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -62,7 +64,7 @@ fn run(folder: &Path, volume: &str, out: &str, more: &[&str]) -> String {
 }
 
 fn report(folder: &Path, out: &str) -> Value {
-    serde_json::from_slice(&std::fs::read(folder.join(out).join("report.json")).unwrap()).unwrap()
+    checked::report(&folder.join(out))
 }
 
 fn bytes(folder: &Path, file: &str) -> Vec<u8> {

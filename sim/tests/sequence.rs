@@ -1,5 +1,7 @@
 //! `cube3 run --frames`: frames and animation that appear, views that come back, volumes that are shown whole or torn as the port says.
 
+mod checked;
+
 use image::AnimationDecoder;
 use image::codecs::png::PngDecoder;
 use serde_json::Value;
@@ -24,7 +26,7 @@ fn run(folder: &Path, out: &str, more: &[&str]) -> Output {
 fn report(folder: &Path, out: &str, more: &[&str]) -> Value {
     let output = run(folder, out, more);
     assert!(output.status.success(), "{more:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_str(&std::fs::read_to_string(folder.join(out).join("report.json")).unwrap()).unwrap()
+    checked::report(&folder.join(out))
 }
 
 const HEART: [&str; 4] = ["--phantom", "beating-heart", "--size", "16"];

@@ -1,5 +1,7 @@
 //! Traces, drawings, and save and resume as a person uses them.
 
+mod checked;
+
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -28,7 +30,7 @@ fn fails(folder: &Path, more: &[&str]) -> String {
 }
 
 fn report(folder: &Path, out: &str) -> serde_json::Value {
-    serde_json::from_str(&std::fs::read_to_string(folder.join(out).join("report.json")).unwrap()).unwrap()
+    checked::report(&folder.join(out))
 }
 
 #[test]

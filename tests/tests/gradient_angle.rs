@@ -21,7 +21,7 @@ fn volume(value: impl Fn(DVec3) -> f64) -> LoadedVolume {
     let values = (0..nx * ny * nz).map(|i| value(place(i)).round() as u16).collect();
     let data = Volume::new(DIMS, SPACING, Samples::U16(values)).unwrap();
     let (words, conversion) = data.to_words(16, &WordConversion::identity(16)).unwrap();
-    LoadedVolume { source: "made".into(), single: [false; 3], data, words, conversion, notes: Vec::new() }
+    LoadedVolume { source: "made".into(), single: [false; 3], data, words, conversion, notes: Vec::new(), made_s: None }
 }
 
 /// Opaque from a value on.

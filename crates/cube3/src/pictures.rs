@@ -89,10 +89,14 @@ pub(crate) fn measure(
     Ok(error)
 }
 
-/// How far a sequence's frame is from its reference; none where neither shows the object.
-pub(crate) fn whole_error(shown: &Pictures, reference: &Picture, background: [f64; 3]) -> Outcome<Option<ImageError>> {
+/// The errors of a sequence's frame over the whole picture and over the object; none where neither picture shows one.
+pub(crate) fn frame_errors(
+    shown: &Pictures,
+    reference: &Picture,
+    background: [f64; 3],
+) -> Outcome<[Option<ImageError>; 2]> {
     let image = shown.image.as_ref().ok_or(Error::NoPicture)?;
     let object = footprint(image, reference, background)?;
-    let whole = compare(image, reference, None)?.whole;
-    Ok(object.any().then_some(whole))
+    let comparison = compare(image, reference, Some(&object))?;
+    Ok([comparison.footprint.and(Some(comparison.whole)), comparison.footprint])
 }

@@ -6,9 +6,9 @@ use cube3_host::PictureFrames;
 use cube3_inputs::LoadedVolume;
 use cube3_machine::MachineSpec;
 use cube3_report::{
-    DigestReport, ErrorReport, OpacityReport, PlanReport, Program, RunReport, SCHEMA, SequenceReport, TimingCounts,
-    VolumeReport, WallReport, WordsReport, axes_report, channel_reports, left_out, traffic_report, unit_reports,
-    view_report,
+    DigestReport, ErrorReport, OpacityReport, PlanReport, Program, RunReport, SCHEMA, SequenceReport, SourcesReport,
+    TimingCounts, VolumeReport, WallReport, WordsReport, axes_report, channel_reports, left_out, traffic_report,
+    unit_reports, view_report,
 };
 use cube3_scene::Scene;
 use std::collections::BTreeMap;
@@ -55,6 +55,8 @@ impl Asked<'_> {
         let report = RunReport {
             schema: SCHEMA,
             program: Program { name: "cube3".into(), version: env!("CARGO_PKG_VERSION").into() },
+            command: Vec::new(),
+            sources: SourcesReport::default(),
             fidelity: options.runs.name().into(),
             seed: options.seed,
             scene: serde_json::to_value(scene)?,
@@ -63,7 +65,13 @@ impl Asked<'_> {
                 source: volume.source.clone(),
                 dims: volume.dims(),
                 spacing: volume.words.spacing,
-                conversion: conversion(scene, volume).into(),
+                conversion: conversion(scene, volume),
+                window: volume.conversion.window,
+                word_bits: volume.conversion.bits,
+                scale: Some(volume.conversion.scale).filter(|scale| scale.is_finite()),
+                clipped_below: volume.conversion.clipped_below,
+                clipped_above: volume.conversion.clipped_above,
+                masked: volume.conversion.masked,
                 axes: axes_report(&volume.data.world),
             },
             view: view_report(scene, volume.words.spacing, &volume.data.world, frames)?,

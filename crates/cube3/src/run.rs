@@ -97,7 +97,8 @@ pub fn run_frame(
         error = Some(report);
     }
     let samples = frames.setups.iter().map(|setup| setup.geometry.sample_count()).sum();
-    let wall = WallReport { reference_s, total_s: Some(start.elapsed().as_secs_f64()), ..run.wall(samples) };
+    let total_s = Some(start.elapsed().as_secs_f64() + volume.made_s.unwrap_or(0.0));
+    let wall = WallReport { volume_s: volume.made_s, reference_s, total_s, ..run.wall(samples) };
     let asked = Asked { scene: as_asked, machine, volume, options };
     let opacity = findings.opacity();
     let found =

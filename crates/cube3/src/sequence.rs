@@ -13,7 +13,7 @@
 use crate::machine_run::{MachineRun, function};
 use crate::notes::Findings;
 use crate::options::Runs;
-use crate::pictures::{Pictures, measure, show, whole_error};
+use crate::pictures::{Pictures, frame_errors, measure, show};
 use crate::reporting::{Asked, Found};
 use crate::sequence_clock::clock;
 use crate::{Error, Outcome, RunOptions, RunResult, ends_note, reference};
@@ -142,7 +142,7 @@ pub fn run_sequence(
                 Some(bases)
             }
         };
-        let (mut error, mut remark, mut digest) = (None, None, DigestReport::default());
+        let (mut error, mut object, mut remark, mut digest) = (None, None, None, DigestReport::default());
         if let Some(bases) = &bases {
             let (mut shown, made) = show(bases, &frame, view, &first)?;
             digest = made;
@@ -157,10 +157,10 @@ pub fn run_sequence(
                     let mut report = measure(choice, view, &frame, &expected, picture, &mut shown)?;
                     run.told.extend(reference::note(own.as_ref(), &report));
                     report.reference = own.as_ref().map(reference::report);
-                    (error, remark) = (report.whole, report.remark.clone());
+                    (error, object, remark) = (report.whole, report.footprint.error, report.remark.clone());
                     first_error = Some(report);
                 } else {
-                    error = whole_error(&shown, &picture, view.background)?;
+                    [error, object] = frame_errors(&shown, &picture, view.background)?;
                     remark = error.is_none().then(|| NO_OBJECT.into());
                 }
             }
@@ -191,6 +191,7 @@ pub fn run_sequence(
             mixed_beams: mixture.mixed_beams,
             first_torn_plane: mixture.first_torn_plane,
             error,
+            footprint: object,
             remark,
             digest,
         });
@@ -213,6 +214,7 @@ pub fn run_sequence(
         time_s: clocked.as_ref().map(|clocked| clocked.counters.cycles as f64 / machine.clock_hz),
         playback_fps: pictures.image.is_some().then_some(playback_fps),
         acquisition,
+        animation: None,
         frames: reports,
     };
     let clocked_port = port.is_some();
@@ -222,7 +224,9 @@ pub fn run_sequence(
             run.overflows = clocked.overflows;
         }
     }
-    let wall = WallReport { reference_s, total_s: Some(total.elapsed().as_secs_f64()), ..run.wall(samples) };
+    // The first volume was there before the clock ran.
+    let total_s = Some(total.elapsed().as_secs_f64() + first.made_s.unwrap_or(0.0));
+    let wall = WallReport { volume_s: Some(series.made_s()), reference_s, total_s, ..run.wall(samples) };
     let asked = Asked { scene, machine, volume: &first, options };
     let findings = Findings::new(&views[0], machine, &first, &frame);
     let found = Found {

@@ -7,6 +7,7 @@ use cube3_volume::{Phantom, ReadOptions};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Spacings that differ by less, as a part, are one: single precision has 6·10⁻⁸.
 const SAME_SPACING: f64 = 1e-6;
@@ -29,6 +30,8 @@ pub struct Series {
     kept: VecDeque<(u64, Arc<LoadedVolume>)>,
     /// Words held at the ends of the window, of each volume that has been loaded.
     clipped: BTreeMap<u64, u64>,
+    /// Seconds that all volumes together took to read or make.
+    made_s: f64,
 }
 
 impl Series {
@@ -56,6 +59,7 @@ impl Series {
         let clipped = BTreeMap::from([(0, first.conversion.clipped_below + first.conversion.clipped_above)]);
         Ok(Series {
             window: first.words.window,
+            made_s: first.made_s.unwrap_or(0.0),
             source,
             machine: machine.clone(),
             options: options.clone(),
@@ -81,6 +85,11 @@ impl Series {
     /// Words held at the ends of the window, of all volumes that have been loaded.
     pub fn clipped(&self) -> u64 {
         self.clipped.values().sum()
+    }
+
+    /// Seconds that all volumes together took to read or make.
+    pub fn made_s(&self) -> f64 {
+        self.made_s
     }
 
     /// Most bytes that may be taken.
@@ -129,6 +138,7 @@ impl Series {
                 volume: volume.source,
             });
         }
+        self.made_s += volume.made_s.unwrap_or(0.0);
         (volume.words.spacing, volume.data.spacing) = (first.spacing, first.spacing);
         self.clipped.insert(index, volume.conversion.clipped_below + volume.conversion.clipped_above);
         let volume = Arc::new(volume);
@@ -171,6 +181,7 @@ fn load(
     options: &ReadOptions,
     mask: bool,
 ) -> Result<LoadedVolume, InputError> {
+    let start = Instant::now();
     let mut one = source.clone();
     if let Some((file, time)) = items.get(index as usize) {
         (one.file, one.files, one.time) = (Some(file.clone()), Vec::new(), Some(*time));
@@ -185,5 +196,5 @@ fn load(
     } else {
         to_words(name, data, window, machine, mask)?
     };
-    Ok(LoadedVolume { notes, ..loaded })
+    Ok(LoadedVolume { notes, made_s: Some(start.elapsed().as_secs_f64()), ..loaded })
 }

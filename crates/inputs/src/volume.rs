@@ -9,6 +9,7 @@ use cube3_volume::{
     VoxelWords, WordConversion, WordRounding,
 };
 use cube3_word::Rounding;
+use std::time::Instant;
 
 /// A volume as data and as voxel words.
 pub struct LoadedVolume {
@@ -24,6 +25,8 @@ pub struct LoadedVolume {
     pub conversion: ConversionReport,
     /// What its file left to be said, in sentences.
     pub notes: Vec<String>,
+    /// Seconds that it took to read or make the data and to turn them into words; none where the data were given.
+    pub made_s: Option<f64>,
 }
 
 impl LoadedVolume {
@@ -107,6 +110,7 @@ pub fn load_volume(
     options: &ReadOptions,
     mask: bool,
 ) -> Result<LoadedVolume, InputError> {
+    let start = Instant::now();
     let Incoming { source, data, mut notes } = read_volume(&scene.volume, options)?;
     notes.extend(notes::old_format_note(scene, &data.world));
     let loaded = if scene.volume.labels {
@@ -114,7 +118,7 @@ pub fn load_volume(
     } else {
         to_words(source, data, scene.volume.window, machine, mask)?
     };
-    Ok(LoadedVolume { notes, ..loaded })
+    Ok(LoadedVolume { notes, made_s: Some(start.elapsed().as_secs_f64()), ..loaded })
 }
 
 /// Converts data to a machine's voxel words; the window is that of the data where none is given.
@@ -183,5 +187,5 @@ fn convert(
     } else {
         data
     };
-    Ok(LoadedVolume { source, single, data, words, conversion, notes: Vec::new() })
+    Ok(LoadedVolume { source, single, data, words, conversion, notes: Vec::new(), made_s: None })
 }

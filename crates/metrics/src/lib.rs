@@ -7,7 +7,7 @@
 //! - [`front`] picks the points of a work-precision diagram that no other point beats.
 //!
 //! Every sum is compensated and taken in the order of the input, so a result depends on the input
-//! alone: not on threads, and not on which of two pictures comes first.
+//! alone: not on threads, and, but for the sign of a bias, not on which of two pictures comes first.
 
 mod angle;
 mod compensated;

@@ -5,7 +5,15 @@ use cube3_metrics::{ImageComparison, ImageError, MetricsError, compare, differen
 use cube3_picture::{Picture, PictureError};
 use proptest::prelude::*;
 
-const EQUAL: ImageError = ImageError { mean_relative: 0.0, rms: 0.0, max: 0.0, psnr_db: None, fraction_off: 0.0 };
+const EQUAL: ImageError = ImageError {
+    mean_relative: 0.0,
+    rms: 0.0,
+    max: 0.0,
+    psnr_db: None,
+    fraction_off: 0.0,
+    percentile_99: 0.0,
+    bias: 0.0,
+};
 
 fn grey(width: usize, height: usize, value: f64) -> Picture {
     Picture::filled(width, height, [value; 3]).unwrap()
@@ -37,12 +45,14 @@ fn black_against_white_is_the_largest_error() {
     assert_eq!(error.mean_relative, 1.0);
     assert_eq!((error.rms, error.max, error.fraction_off), (1.0, 1.0, 1.0));
     assert_eq!(error.psnr_db, Some(0.0));
+    assert_eq!((error.percentile_99, error.bias), (1.0, -1.0));
 }
 
 #[test]
 fn a_constant_offset_is_every_one_of_its_errors() {
     let error = whole(&grey(64, 64, 0.25), &grey(64, 64, 0.375));
     assert_eq!((error.mean_relative, error.rms, error.max), (0.125, 0.125, 0.125));
+    assert_eq!((error.percentile_99, error.bias), (0.125, -0.125));
     assert!(close(error.psnr_db.unwrap(), 20.0 * 8.0_f64.log10()));
 }
 
@@ -56,6 +66,84 @@ fn one_channel_of_one_pixel_off() {
     assert!(close(error.rms, 0.5 / 300.0_f64.sqrt()));
     assert!(close(error.psnr_db.unwrap(), 10.0 * 1200.0_f64.log10()));
     assert_eq!((error.max, error.fraction_off), (0.5, 0.01));
+    assert!(close(error.bias, -0.5 / 300.0));
+}
+
+/// A picture of `count` pixels in a row, `off` of which are grey of a half and the others black.
+fn row(count: usize, off: usize) -> Picture {
+    Picture::new(count, 1, (0..count).map(|x| [if x % count < off { 0.5 } else { 0.0 }; 3]).collect()).unwrap()
+}
+
+#[test]
+fn the_percentile_is_passed_by_one_pixel_of_a_hundred_and_not_by_more() {
+    for (count, off, percentile) in [
+        (100, 0, 0.0),
+        (100, 1, 0.0),
+        (100, 2, 0.5),
+        (1000, 10, 0.0),
+        (1000, 11, 0.5),
+        // Of fewer than a hundred pixels, one is more than one of a hundred.
+        (99, 1, 0.5),
+        (1, 1, 0.5),
+        (1, 0, 0.0),
+        (101, 1, 0.0),
+        (101, 2, 0.5),
+        (199, 1, 0.0),
+        (200, 2, 0.0),
+        (200, 3, 0.5),
+    ] {
+        let error = whole(&row(count, off), &grey(count, 1, 0.0));
+        assert_eq!(error.percentile_99, percentile, "{off} of {count}");
+    }
+}
+
+#[test]
+fn the_percentile_of_steps_is_the_step_at_its_rank() {
+    let levels = |count: usize| (1..=count).map(move |k| [k as f64 / count as f64; 3]);
+    for (count, rank) in [(100, 99), (200, 198), (50, 50), (250, 248)] {
+        for turned in [false, true] {
+            let mut pixels: Vec<[f64; 3]> = levels(count).collect();
+            if turned {
+                pixels.reverse();
+            }
+            let error = whole(&Picture::new(count, 1, pixels).unwrap(), &grey(count, 1, 0.0));
+            assert!(close(error.percentile_99, rank as f64 / count as f64), "{count}: {error:?}");
+        }
+    }
+}
+
+#[test]
+fn the_percentile_is_of_the_same_distances_as_the_mean() {
+    let mut a = grey(1, 1, 0.0);
+    a.pixels[0] = [0.3, 0.0, -0.4];
+    let error = whole(&a, &grey(1, 1, 0.0));
+    assert!(close(error.percentile_99, 0.5 / 3.0_f64.sqrt()));
+    assert_eq!(error.percentile_99, error.mean_relative);
+    assert_eq!(error.max, 0.4);
+}
+
+#[test]
+fn the_bias_is_signed_and_cancels() {
+    let picture = |values: [f64; 4]| Picture::new(4, 1, values.map(|value| [value; 3]).to_vec()).unwrap();
+    let reference = grey(4, 1, 0.5);
+    assert_eq!(whole(&picture([0.75, 0.25, 0.75, 0.25]), &reference).bias, 0.0);
+    assert_eq!(whole(&picture([0.75; 4]), &reference).bias, 0.25);
+    assert_eq!(whole(&picture([0.25; 4]), &reference).bias, -0.25);
+    assert_eq!(whole(&picture([1.0, 0.5, 0.5, 0.5]), &reference).bias, 0.125);
+    let mut red = reference.clone();
+    red.pixels[0][0] = 1.0;
+    assert!(close(whole(&red, &reference).bias, 0.5 / 12.0));
+}
+
+#[test]
+fn percentile_and_bias_over_the_object_leave_the_background_out() {
+    let (mut a, b) = (grey(10, 10, 0.0), grey(10, 10, 0.0));
+    a.pixels[42] = [0.5; 3];
+    let object = footprint(&a, &b, [0.0; 3]).unwrap();
+    let error = compare(&a, &b, Some(&object)).unwrap();
+    assert_eq!((error.whole.percentile_99, error.whole.bias), (0.0, 0.005));
+    let object = error.footprint.unwrap();
+    assert_eq!((object.percentile_99, object.bias), (0.5, 0.5));
 }
 
 #[test]
@@ -100,6 +188,7 @@ fn the_tiniest_and_the_greatest_differences_are_measured() {
         let error = whole(&grey(3, 3, 0.0), &grey(3, 3, apart));
         assert_eq!((error.rms, error.max), (apart, apart));
         assert_eq!(error.mean_relative, apart);
+        assert_eq!((error.percentile_99, error.bias), (apart, -apart));
         assert!(close(error.psnr_db.unwrap(), -20.0 * apart.log10()), "{apart}");
     }
     let far = compare(&grey(1, 1, f64::MAX), &grey(1, 1, -f64::MAX), None);
@@ -195,9 +284,11 @@ fn pictures(count: usize) -> impl Strategy<Value = Vec<Picture>> {
 
 proptest! {
     #[test]
-    fn order_does_not_matter(pair in pictures(2)) {
+    fn order_matters_to_the_sign_of_the_bias_alone(pair in pictures(2)) {
         let (a, b) = (&pair[0], &pair[1]);
-        prop_assert_eq!(compare(a, b, None).unwrap(), compare(b, a, None).unwrap());
+        let (forth, back) = (whole(a, b), whole(b, a));
+        prop_assert_eq!(forth.bias, -back.bias);
+        prop_assert_eq!(forth, ImageError { bias: forth.bias, ..back });
         prop_assert_eq!(difference(a, b, 3.0).unwrap(), difference(b, a, 3.0).unwrap());
     }
 
@@ -207,6 +298,8 @@ proptest! {
         let slack = 1.0 + 1e-12;
         prop_assert!(0.0 <= error.mean_relative && error.mean_relative <= error.rms * slack);
         prop_assert!(error.rms <= error.max * slack && error.max <= 1.0);
+        prop_assert!(0.0 <= error.percentile_99 && error.percentile_99 <= error.max * slack);
+        prop_assert!(error.bias.abs() <= error.mean_relative * slack);
         prop_assert!((0.0..=1.0).contains(&error.fraction_off));
         prop_assert!(error.psnr_db.is_none_or(|psnr| psnr >= -1e-9));
     }

@@ -20,9 +20,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let difference = cube3_metrics::difference(&ball(0.0)?, &ball(0.04)?, 5.0)?;
     let difference = png(&difference)?;
     let figures = [
-        Figure { title: "Image", caption: "The machine's base plane, warped", png: &image },
-        Figure { title: "Reference", caption: "image-order, step 1", png: &reference },
-        Figure { title: "Difference", caption: "Magnified 5 times", png: &difference },
+        Figure { title: "Image", caption: "The machine's base plane, warped", png: &image, still: None },
+        Figure { title: "Reference", caption: "image-order, step 1", png: &reference, still: None },
+        Figure { title: "Difference", caption: "Magnified 5 times", png: &difference, still: None },
     ];
     std::fs::write(folder.join("report.html"), html(&report, &figures))?;
     std::fs::write(folder.join("report.json"), to_json(&report)?)?;

@@ -4,8 +4,8 @@ use cube3_machine::OperatorCounts;
 use cube3_metrics::ImageError;
 
 use crate::{
-    ChannelReport, OpacityReport, ReportError, ResourcesReport, RunReport, SCHEMA, TimingReport, TrafficReport,
-    UnitReport,
+    ChannelReport, ErrorReport, OpacityReport, ReportError, ResourcesReport, RunReport, SCHEMA, TimingReport,
+    TrafficReport, UnitReport, measures,
 };
 
 /// How far two ways to compute one number may differ, relative to it.
@@ -38,6 +38,7 @@ impl RunReport {
             traffic.check()?;
         }
         self.channels.iter().try_for_each(ChannelReport::check)?;
+        self.error.as_ref().map_or(Ok(()), ErrorReport::check)?;
         self.sequence.as_ref().map_or(Ok(()), |sequence| sequence.check(self))
     }
 
@@ -47,6 +48,10 @@ impl RunReport {
         for value in self.volume.spacing {
             finite("volume.spacing", value)?;
         }
+        for value in self.volume.window {
+            finite("volume.window", value)?;
+        }
+        finite("volume.scale", self.volume.scale.unwrap_or(0.0))?;
         if let Some(axes) = &self.volume.axes {
             finite("volume.axes.turned_deg", axes.turned_deg)?;
             finite("volume.axes.slanted_deg", axes.slanted_deg)?;
@@ -96,6 +101,7 @@ impl RunReport {
         }
         let wall = &self.wall;
         for (key, value) in [
+            ("wall.volume_s", wall.volume_s),
             ("wall.timing_s", wall.timing_s),
             ("wall.function_s", wall.function_s),
             ("wall.cycle_s", wall.cycle_s),
@@ -182,6 +188,25 @@ impl TrafficReport {
     }
 }
 
+impl ErrorReport {
+    /// No mean and no percentile of distances is beyond the largest, and no bias beyond the mean.
+    fn check(&self) -> Result<(), ReportError> {
+        let own = self.reference.as_ref().map(|own| &own.error);
+        for error in self.whole.iter().chain(&self.footprint.error).chain(own) {
+            for (key, found, expected) in [
+                ("error.mean_relative", error.mean_relative, error.max),
+                ("error.percentile_99", error.percentile_99, error.max),
+                ("error.bias", error.bias.abs(), error.mean_relative),
+            ] {
+                if found > expected * (1.0 + ROUNDING) {
+                    return Err(ReportError::Inconsistent { key, found, expected });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
 impl UnitReport {
     /// Cycles of waiting, whatever the reason.
     pub(crate) fn waiting_cycles(&self) -> u128 {
@@ -220,9 +245,5 @@ pub(crate) fn finite(key: &str, value: f64) -> Result<(), ReportError> {
 }
 
 fn finite_error(key: &str, error: &ImageError) -> Result<(), ReportError> {
-    finite(&format!("{key}.mean_relative"), error.mean_relative)?;
-    finite(&format!("{key}.rms"), error.rms)?;
-    finite(&format!("{key}.max"), error.max)?;
-    finite(&format!("{key}.psnr_db"), error.psnr_db.unwrap_or(0.0))?;
-    finite(&format!("{key}.fraction_off"), error.fraction_off)
+    measures::finite(error).into_iter().try_for_each(|(measure, value)| finite(&format!("{key}.{measure}"), value))
 }

@@ -3,6 +3,7 @@
 use cube3_metrics::ImageError;
 use serde_json::Value;
 
+use crate::command_line::command_line;
 use crate::quantity::{count, number, percentage, prefixed, sizes};
 use crate::{
     AxesReport, ErrorReport, OpacityReport, PassReport, ResourcesReport, RunReport, SidesReport, TimingReport,
@@ -12,18 +13,14 @@ use crate::{
 /// What is said, and its value.
 pub(crate) type Fact = (&'static str, String);
 
-/// What was rendered, how, and by what.
-pub(crate) fn setup(report: &RunReport) -> Vec<Fact> {
+/// What the host made of what was asked for, and by what the report was written.
+pub(crate) fn derived(report: &RunReport) -> Vec<Fact> {
     let volume = &report.volume;
     let view = &report.view;
     let flips = flipped_axes(view.flips);
     let spacing = volume.spacing.map(number).join(" × ");
     let slopes = view.slopes.map(number).join(", ");
-    let mut facts = vec![
-        ("Volume", format!("{}, {} voxels", volume.source, sizes(&volume.dims))),
-        ("Spacing", spacing),
-        ("Voxel words", inline(&volume.conversion)),
-    ];
+    let mut facts = vec![("Spacing", spacing), ("Voxel words", volume.conversion.clone())];
     facts.extend(volume.axes.iter().map(axes));
     facts.extend(view.sides.iter().map(sides));
     facts.extend([
@@ -42,12 +39,64 @@ pub(crate) fn setup(report: &RunReport) -> Vec<Fact> {
     }
     facts.extend(report.words.opacity.iter().map(OpacityReport::fact));
     facts.extend([
-        ("Runs made", report.fidelity.clone()),
         ("Seed", report.seed.to_string()),
         ("Written by", format!("{} {}", report.program.name, report.program.version)),
     ]);
     facts
 }
+
+/// What was asked for: machine, volume, scene, view, mode, estimator, runs and the command line.
+pub(crate) fn asked(report: &RunReport) -> Vec<Fact> {
+    let sources = &report.sources;
+    let machine = match (&sources.machine_preset, &sources.machine_file) {
+        (Some(preset), _) => Some(format!("preset {preset}")),
+        (None, Some(file)) => Some(format!("file {file}")),
+        (None, None) => report.machine.get("name").and_then(Value::as_str).map(String::from),
+    };
+    let volume = format!("{}, {} voxels", report.volume.source, sizes(&report.volume.dims));
+    let mode = report.scene.get("mode").and_then(Value::as_str);
+    let mut facts = Vec::new();
+    facts.extend(machine.map(|machine| ("Machine", machine)));
+    facts.push(("Volume", volume));
+    facts.extend(sources.scene_file.iter().map(|file| ("Scene", format!("file {file}"))));
+    facts.extend(view(&report.scene).map(|view| ("View", view)));
+    facts.extend(mode.map(|mode| ("Mode", mode.into())));
+    facts.extend(estimator(report).map(|estimator| ("Gradient estimator", estimator)));
+    facts.push(("Runs made", report.fidelity.clone()));
+    if !report.command.is_empty() {
+        facts.push(("Command", command_line(&report.command)));
+    }
+    facts
+}
+
+/// The view of a scene in words.
+fn view(scene: &Value) -> Option<String> {
+    let view = scene.get("view")?;
+    let degrees = |key: &str| view.get(key).and_then(Value::as_f64);
+    let mut parts: Vec<String> = [("yaw", "yaw_deg"), ("tilt", "tilt_deg"), ("roll", "roll_deg")]
+        .into_iter()
+        .filter_map(|(name, key)| Some((name, degrees(key)?)))
+        .filter(|&(name, angle)| name != "roll" || angle != 0.0)
+        .map(|(name, angle)| format!("{name} {}°", number(angle)))
+        .collect();
+    if let Some(direction) = view.get("direction").and_then(Value::as_array) {
+        let direction: Vec<String> = direction.iter().filter_map(Value::as_f64).map(number).collect();
+        parts.push(format!("along ({})", direction.join(", ")));
+    }
+    let field = view.pointer("/perspective/field_of_view_deg").and_then(Value::as_f64);
+    parts.push(field.map_or("parallel".into(), |field| format!("perspective of {}°", number(field))));
+    Some(parts.join(", "))
+}
+
+/// The machine's gradient estimator, and whether the plan left it out.
+fn estimator(report: &RunReport) -> Option<String> {
+    let name = report.machine.pointer("/abc/gradient")?.as_str()?;
+    let unit = report.plan.left_out.iter().find(|item| item.rule == GRADIENT_UNIT);
+    Some(unit.map_or(name.into(), |unit| format!("{name}; left out here: {}", unit.why)))
+}
+
+/// The rule that leaves out the gradient unit.
+const GRADIENT_UNIT: &str = "gradient-unit";
 
 /// How the file's axes became those of the frame buffer.
 fn axes(axes: &AxesReport) -> Fact {
@@ -157,8 +206,10 @@ pub(crate) fn errors(error: &ErrorReport) -> Vec<(&'static str, [String; 2])> {
     let both = |text: fn(&ImageError) -> String| [text(whole), text(object)];
     let mut rows = vec![
         ("Mean relative RGB distance", both(|e| percentage(e.mean_relative))),
-        ("RMS", both(|e| number(e.rms))),
-        ("Largest", both(|e| number(e.max))),
+        ("99th percentile of that", both(|e| percentage(e.percentile_99))),
+        ("Largest, of a channel", both(|e| percentage(e.max))),
+        ("Bias, picture less reference", both(|e| percentage(e.bias))),
+        ("RMS", both(|e| percentage(e.rms))),
         ("PSNR", both(|e| psnr(e.psnr_db))),
         ("Pixels off by more than 1/255", both(|e| percentage(e.fraction_off))),
     ];
@@ -180,6 +231,7 @@ pub(crate) fn psnr(psnr_db: Option<f64>) -> String {
 pub(crate) fn wall(wall: &WallReport) -> Vec<Fact> {
     let seconds = |value: Option<f64>| value.map(|value| prefixed(value, "s"));
     [
+        ("Making or reading the volume", seconds(wall.volume_s)),
         ("Timing run", seconds(wall.timing_s)),
         ("Function run", seconds(wall.function_s)),
         ("Cycle run", seconds(wall.cycle_s)),
@@ -238,16 +290,4 @@ fn flipped_axes(flips: [bool; 3]) -> String {
     let flipped: Vec<&str> =
         ["x", "y", "z"].into_iter().zip(flips).filter_map(|(axis, flip)| flip.then_some(axis)).collect();
     if flipped.is_empty() { "no axis flipped".into() } else { format!("flipped {}", flipped.join(", ")) }
-}
-
-/// A sentence as it is, an object as `key value, key value`.
-fn inline(value: &Value) -> String {
-    match value {
-        Value::String(text) => text.clone(),
-        Value::Object(entries) => {
-            let entries = entries.iter().map(|(key, value)| format!("{key} {}", inline(value)));
-            entries.collect::<Vec<_>>().join(", ")
-        }
-        other => other.to_string(),
-    }
 }

@@ -1,38 +1,25 @@
 //! The report as one page for a browser.
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde_json::Value;
 
 use crate::bars::bars;
+use crate::drawing::drawing;
 use crate::facts::{self, CycleKind, Fact};
-use crate::png::png_size;
-use crate::quantity::{count, number, percentage, prefixed};
+use crate::glossary::glossary;
+use crate::headline::headline;
+use crate::pictures::{Figure, pictures, sequence};
+use crate::quantity::{count, number, prefixed};
 use crate::shares::percent;
 use crate::{
     ChannelReport, DigestReport, ErrorReport, LimitsReport, OperatorsReport, PlanReport, ResourcesReport, RunReport,
-    SequenceReport, TimingReport, TrafficReport, UnitReport,
+    TimingReport, TrafficReport, UnitReport,
 };
 
 const STYLE: &str = include_str!("page.css");
 
 /// The page may show what it carries, and reach for nothing else.
 const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'";
-
-/// Pictures up to this wide are magnified as squares, not blurred.
-const SMALL: u32 = 400;
-
-/// A picture on the page.
-#[derive(Debug, Clone, Copy)]
-pub struct Figure<'a> {
-    /// A word or two, such as `Difference`.
-    pub title: &'a str,
-    /// A sentence on what is seen.
-    pub caption: &'a str,
-    /// The PNG file.
-    pub png: &'a [u8],
-}
 
 /// The report as one HTML page that holds its pictures and needs no network.
 ///
@@ -54,12 +41,17 @@ pub fn html(report: &RunReport, figures: &[Figure]) -> String {
             body {
                 header {
                     h1 { (subject) }
-                    p { "A run of " (name) " " (report.program.version) ", " (report.fidelity) ", seed " (report.seed) }
                     (headline(report))
+                    (listed(&facts::asked(report)))
+                    p.note {
+                        "New to the machine? It is " a href="#machine" { "drawn below" } ", and the words are in the "
+                        a href="#glossary" { "glossary" } "."
+                    }
                 }
                 main {
                     (pictures(figures))
                     (sequence(report.sequence.as_ref()))
+                    (drawing(&report.units, &report.channels))
                     (limits(report.limits.as_ref()))
                     (units(&report.units, report.timing.as_ref()))
                     (errors(report.error.as_ref()))
@@ -69,9 +61,10 @@ pub fn html(report: &RunReport, figures: &[Figure]) -> String {
                     (traffic(report.traffic.as_ref()))
                     (resources(report.resources.as_ref()))
                     (overflows(report))
-                    section { h2 { "Set-up" } (listed(&facts::setup(report))) }
+                    section { h2 { "Set-up" } (listed(&facts::derived(report))) }
                     (wall(report))
                     (digests(&report.digest))
+                    (glossary())
                     (source("The scene as resolved", &report.scene))
                     (source("The machine as resolved", &report.machine))
                 }
@@ -79,99 +72,6 @@ pub fn html(report: &RunReport, figures: &[Figure]) -> String {
         }
     };
     page.into_string()
-}
-
-/// Time and error side by side: neither says much without the other.
-fn headline(report: &RunReport) -> Markup {
-    let mut tiles: Vec<(&str, String, String)> = Vec::new();
-    if let Some(timing) = &report.timing {
-        let clock = prefixed(timing.clock_hz, "Hz");
-        let sustained = format!("{} in an animation", number(timing.fps_sustained));
-        let frame = prefixed(timing.frame_time_s, "s");
-        tiles.push(("Frames per second", number(timing.fps), sustained));
-        tiles.push(("Cycles", count(timing.cycles), format!("{frame} at {clock}")));
-        let rate = prefixed(timing.samples_per_s, "");
-        let samples = format!("{} samples, {} beams", count(timing.samples), count(timing.beams));
-        tiles.push(("Samples per second", rate, samples));
-    }
-    if let Some(error) = &report.error {
-        let against = format!("mean RGB distance against {}", error.against);
-        if let (Some(whole), Some(object)) = (&error.whole, &error.footprint.error) {
-            tiles.push(("Relative error", percentage(whole.mean_relative), against));
-            let object = format!("{} over the object alone", facts::psnr(object.psnr_db));
-            tiles.push(("PSNR", facts::psnr(whole.psnr_db), object));
-        }
-        tiles.extend(error.remark.iter().map(|remark| ("Relative error", "not measured".into(), remark.clone())));
-    }
-    html! {
-        dl.tiles {
-            @for (what, value, note) in &tiles {
-                div { dt { (what) } dd.value { (value) } dd.note { (note) } }
-            }
-        }
-    }
-}
-
-fn pictures(figures: &[Figure]) -> Markup {
-    html! {
-        @if !figures.is_empty() {
-            section {
-                h2 { "Pictures" }
-                div.pictures {
-                    @for figure in figures { (picture(figure)) }
-                }
-            }
-        }
-    }
-}
-
-fn picture(figure: &Figure) -> Markup {
-    let source = format!("data:image/png;base64,{}", STANDARD.encode(figure.png));
-    let size = png_size(figure.png);
-    let [width, height] = size.map_or([None, None], |[width, height]| [Some(width), Some(height)]);
-    let small = width.is_some_and(|width| width <= SMALL);
-    html! {
-        figure {
-            img.small[small] src=(source) width=[width] height=[height] alt={ (figure.title) ": " (figure.caption) };
-            figcaption {
-                strong { (figure.title) }
-                @if let Some([width, height]) = size { " " span.size { (width) " × " (height) } }
-                br;
-                (figure.caption)
-            }
-        }
-    }
-}
-
-fn sequence(sequence: Option<&SequenceReport>) -> Markup {
-    html! {
-        @if let Some(sequence) = sequence {
-            section {
-                h2 { "Sequence" }
-                (listed(&sequence.facts()))
-                table {
-                    thead {
-                        tr {
-                            th { "frame" } th { "cycles" } th { "volume" } th { "newer voxels" } th { "mixed beams" }
-                            th { "mean relative error" }
-                        }
-                    }
-                    tbody {
-                        @for (index, frame) in sequence.frames.iter().enumerate() {
-                            tr {
-                                td { (index) }
-                                td { (frame.cycles.map_or_else(String::new, count)) }
-                                td { (frame.volume) @if frame.torn { " to " (frame.newest_volume) } }
-                                td { @if frame.torn { (percentage(frame.newer_fraction)) } }
-                                td { @if frame.torn { (count(frame.mixed_beams)) } }
-                                td { (frame.error_in_words()) }
-                            }
-                        }
-                    }
-                }
-            }
-        }
-    }
 }
 
 fn units(units: &[UnitReport], timing: Option<&TimingReport>) -> Markup {
@@ -227,7 +127,7 @@ fn errors(error: Option<&ErrorReport>) -> Markup {
             @if let Some(remark) = error.and_then(|error| error.remark.as_ref()) {
                 p { "Not measured: " (remark) "." }
             } @else if let Some(error) = error {
-                table {
+                div.wide { table {
                     caption {
                         "Against " (error.against) ". The object covers " (count(error.footprint.pixels as u64))
                         " pixels. The difference picture is magnified " (number(error.difference_factor)) " times."
@@ -244,7 +144,7 @@ fn errors(error: Option<&ErrorReport>) -> Markup {
                             tr { th scope="row" { (what) } td.number { (whole) } td.number { (object) } }
                         }
                     }
-                }
+                } }
             } @else {
                 p { "Not measured: there was no reference to compare with." }
             }
@@ -490,7 +390,7 @@ fn digests(digest: &DigestReport) -> Markup {
     }
 }
 
-fn listed(facts: &[Fact]) -> Markup {
+pub(crate) fn listed(facts: &[Fact]) -> Markup {
     html! {
         dl.facts { @for (what, value) in facts { div { dt { (what) } dd { (value) } } } }
     }

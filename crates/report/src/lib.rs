@@ -12,19 +12,25 @@
 mod adapters;
 mod bars;
 mod check;
+mod command_line;
 mod digest;
+mod drawing;
 mod error;
 mod facts;
+mod glossary;
+mod headline;
 mod html;
 mod json;
 mod measures;
 mod opacity_report;
 mod parameter_list;
+mod pictures;
 mod png;
 mod quantity;
 mod resources_report;
 mod run_report;
 mod savings;
+mod schema;
 mod sequence;
 mod shares;
 mod table;
@@ -33,10 +39,11 @@ mod topology;
 pub use adapters::{axes_report, channel_reports, left_out, traffic_report, unit_reports, view_report};
 pub use digest::sha256_hex;
 pub use error::ReportError;
-pub use html::{Figure, html};
+pub use html::html;
 pub use json::{from_json, to_json, write_json};
 pub use opacity_report::{OpacityChange, OpacityReport};
 pub use parameter_list::{name_list, parameter_list};
+pub use pictures::Figure;
 pub use png::{png_rgb8, to_rgb8};
 pub use quantity::{count, number, percentage};
 pub use resources_report::{
@@ -45,10 +52,11 @@ pub use resources_report::{
 };
 pub use run_report::{
     AxesReport, ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, NO_OBJECT, PassReport,
-    PerspectiveReport, PlanReport, Program, ReferenceError, RunReport, SCHEMA, SidesReport, TimingCounts, TimingReport,
-    UnitReport, ViewReport, VolumeReport, WallReport, WordsReport,
+    PerspectiveReport, PlanReport, Program, ReferenceError, RunReport, SCHEMA, SidesReport, SourcesReport,
+    TimingCounts, TimingReport, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport,
 };
 pub use savings::SavingsReport;
+pub use schema::JSON_SCHEMA;
 pub use sequence::{AcquisitionReport, FrameReport, SequenceReport};
 pub use table::table;
 pub use topology::Drawing;

@@ -9,7 +9,7 @@ use serde_json::Value;
 use crate::{LimitsReport, OpacityReport, ResourcesReport, SavingsReport, SequenceReport, TrafficReport, measures};
 
 /// The number of the present layout. It rises when a key changes its meaning or goes away.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// Everything that one run of `cube3 run` found out.
 ///
@@ -21,6 +21,13 @@ pub struct RunReport {
     pub schema: u32,
     /// Who wrote this.
     pub program: Program,
+    /// The command that made it, word by word, without `--threads` and `--out` and their values: they change nothing that is measured. Empty
+    /// where the library was called.
+    #[serde(default)]
+    pub command: Vec<String>,
+    /// Where scene and machine came from.
+    #[serde(default)]
+    pub sources: SourcesReport,
     /// Which of the machine's runs were made, such as `timing + function` or `cycle`.
     pub fidelity: String,
     /// The seed of everything random.
@@ -80,7 +87,18 @@ pub struct Program {
     pub version: String,
 }
 
-/// The volume that was rendered.
+/// Where scene and machine came from, before options changed them. What the library was called with has no source.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SourcesReport {
+    /// The scene's file as the user named it. Absent for the built-in scene.
+    pub scene_file: Option<String>,
+    /// The machine's file as the user named it.
+    pub machine_file: Option<String>,
+    /// The machine's preset, such as `cube3-128`.
+    pub machine_preset: Option<String>,
+}
+
+/// The volume that was rendered; in a sequence the first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VolumeReport {
     /// A file as the user named it, or a phantom.
@@ -89,8 +107,20 @@ pub struct VolumeReport {
     pub dims: [usize; 3],
     /// Distances between voxels along x, y and z, in the unit of the file.
     pub spacing: [f64; 3],
-    /// How values became voxel words: a sentence, or an object of window, scale and rounding.
-    pub conversion: Value,
+    /// How values became voxel words: a sentence.
+    pub conversion: String,
+    /// The data values of the smallest and the largest word.
+    pub window: [f64; 2],
+    /// Bits of a voxel word.
+    pub word_bits: u32,
+    /// Words for one unit of the data; 0 for a window of one value. Absent for one so narrow that no number holds it.
+    pub scale: Option<f64>,
+    /// Voxels below the window, which have the smallest word.
+    pub clipped_below: u64,
+    /// Voxels above the window, which have the largest word.
+    pub clipped_above: u64,
+    /// Voxels that were not finite, which have word 0.
+    pub masked: u64,
     /// How the file's axes became x, y and z; absent where it says nothing of them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<AxesReport>,
@@ -321,6 +351,10 @@ pub struct UnitReport {
 pub struct ChannelReport {
     /// The channel's name, such as `beams`.
     pub name: String,
+    /// The unit that pushes.
+    pub from: String,
+    /// The unit that pops.
+    pub to: String,
     /// The most tokens that it can hold.
     pub capacity: u64,
     /// Cycles from push to the earliest pop.
@@ -355,8 +389,8 @@ pub const NO_OBJECT: &str = "neither picture shows an object: there is no error 
 pub struct ErrorReport {
     /// What the image was compared with, such as `image-order`.
     pub against: String,
-    /// Over the whole image: `mean_relative`, `rms`, `max`, `psnr_db` and `fraction_off`. Absent where neither picture shows an
-    /// object: two empty pictures are equal, and that says nothing.
+    /// Over the whole image: `mean_relative`, `rms`, `max`, `psnr_db`, `fraction_off`, `percentile_99` and `bias`. Absent where neither
+    /// picture shows an object: two empty pictures are equal, and that says nothing.
     #[serde(flatten, with = "measures")]
     pub whole: Option<ImageError>,
     /// Why there are no numbers, where there are none.
@@ -425,6 +459,9 @@ pub struct DigestReport {
 /// How long the simulation took on this computer, in seconds. Absent where not run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct WallReport {
+    /// Making or reading the volumes and turning them into words. Absent where the library was given a volume.
+    #[serde(default)]
+    pub volume_s: Option<f64>,
     /// The timing run.
     pub timing_s: Option<f64>,
     /// The function run.
@@ -433,7 +470,7 @@ pub struct WallReport {
     pub cycle_s: Option<f64>,
     /// The reference ray caster.
     pub reference_s: Option<f64>,
-    /// Set-up, runs, reference and measuring together; reading the volume and writing the files are not in it.
+    /// Volumes, set-up, runs, reference and measuring together; writing the files is not in it.
     pub total_s: Option<f64>,
     /// Samples per second of the function run.
     pub samples_per_s: Option<f64>,

@@ -4,6 +4,7 @@ use cube3_metrics::ImageError;
 use serde::{Deserialize, Serialize};
 
 use crate::facts::Fact;
+use crate::measures;
 use crate::quantity::{count, number, percentage, prefixed};
 use crate::{DigestReport, ReportError, RunReport};
 
@@ -19,6 +20,9 @@ pub struct SequenceReport {
     pub playback_fps: Option<f64>,
     /// What came in through the acquisition port. Absent when the volume stands still or no clock ran.
     pub acquisition: Option<AcquisitionReport>,
+    /// The animation's file beside the report. Absent when there are no pictures, or the library was called.
+    #[serde(default)]
+    pub animation: Option<String>,
     /// Each frame, in order.
     pub frames: Vec<FrameReport>,
 }
@@ -69,6 +73,9 @@ pub struct FrameReport {
     pub first_torn_plane: Option<u32>,
     /// The picture against the reference of the oldest volume. Absent when not measured.
     pub error: Option<ImageError>,
+    /// The same over the object alone.
+    #[serde(default)]
+    pub footprint: Option<ImageError>,
     /// Why there is no error, where there were two pictures and nothing to measure.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub remark: Option<String>,
@@ -115,9 +122,10 @@ impl SequenceReport {
         for frame in &self.frames {
             numbers.extend(frame.angles_deg.unwrap_or_default().map(|angle| ("sequence.frames[].angles_deg", angle)));
             numbers.push(("sequence.frames[].newer_fraction", frame.newer_fraction));
-            if let Some(error) = &frame.error {
-                let measures = [error.mean_relative, error.rms, error.max, error.fraction_off];
-                numbers.extend(measures.map(|measure| ("sequence.frames[].error", measure)));
+            for (key, error) in
+                [("sequence.frames[].error", &frame.error), ("sequence.frames[].footprint", &frame.footprint)]
+            {
+                numbers.extend(error.iter().flat_map(measures::finite).map(|(_, measure)| (key, measure)));
             }
         }
         numbers
@@ -143,19 +151,26 @@ impl SequenceReport {
             };
             facts.push(("Torn frames", torn));
         }
-        let errors = self.frames.iter().filter_map(|frame| Some(frame.error.as_ref()?.mean_relative));
+        let worst = self.worst().map(|(frame, error)| format!("{}, frame {frame}", percentage(error.mean_relative)));
         let remark = self.frames.iter().find_map(|frame| frame.remark.clone());
-        if let Some(worst) = errors.reduce(f64::max).map(percentage).or(remark) {
-            facts.push(("Largest mean relative error", worst));
+        if let Some(worst) = worst.or(remark) {
+            facts.push(("Largest mean error over the object", worst));
         }
         facts
+    }
+
+    /// The frame whose object is furthest from its reference on the average, the earliest of equals, and its error over the object.
+    pub(crate) fn worst(&self) -> Option<(usize, &ImageError)> {
+        let errors =
+            self.frames.iter().enumerate().filter_map(|(index, frame)| Some((index, frame.footprint.as_ref()?)));
+        errors.reduce(|worst, next| if next.1.mean_relative > worst.1.mean_relative { next } else { worst })
     }
 }
 
 impl FrameReport {
-    /// The mean relative error, or why there is none.
+    /// The mean error over the object, or why there is none.
     pub(crate) fn error_in_words(&self) -> String {
-        let measured = self.error.as_ref().map(|error| percentage(error.mean_relative));
+        let measured = self.footprint.as_ref().map(|error| percentage(error.mean_relative));
         measured.or_else(|| self.remark.clone()).unwrap_or_default()
     }
 }

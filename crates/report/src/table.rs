@@ -6,7 +6,7 @@ use comfy_table::{CellAlignment, ContentArrangement, Table};
 use crate::facts::{self, CycleKind, CycleShare, Fact};
 use crate::quantity::{count, number};
 use crate::shares::percent;
-use crate::{ErrorReport, LeftOut, RunReport, UnitReport};
+use crate::{ErrorReport, LeftOut, RunReport, UnitReport, headline};
 
 /// No line is wider, in columns.
 const WIDTH: u16 = 80;
@@ -21,7 +21,9 @@ pub fn table(report: &RunReport) -> String {
     let mut section = |title: &str, body: String| {
         text.push_str(&format!("\n{title}\n{body}\n"));
     };
-    section("Set-up", listed(facts::setup(report)));
+    section("Error over the object", object_error(report));
+    section("What limits the frame rate", listed(headline::throughput(report)));
+    section("Set-up", listed([facts::asked(report), facts::derived(report)].concat()));
     match &report.timing {
         Some(timing) => {
             section("Throughput at the machine's clock", listed(facts::timing(timing)));
@@ -33,9 +35,6 @@ pub fn table(report: &RunReport) -> String {
     }
     if !report.units.is_empty() {
         section("Unit cycles", units(&report.units));
-    }
-    if let Some(limits) = &report.limits {
-        section("What limits the frame rate", wrapped(&limits.sentence));
     }
     if let Some(traffic) = &report.traffic {
         section("Traffic", listed(facts::traffic(traffic)));
@@ -63,9 +62,17 @@ fn listed(facts: Vec<Fact>) -> String {
     render(&[], rows.collect(), &[])
 }
 
-/// A sentence in lines of the table's width.
-fn wrapped(sentence: &str) -> String {
-    render(&[], vec![vec![sentence.into()]], &[])
+/// Each measure in parts of the full range and in levels, or why there is none.
+fn object_error(report: &RunReport) -> String {
+    match headline::object_error(report) {
+        Ok(measures) => {
+            let rows = measures.map(|measure| vec![measure.name.into(), measure.part, measure.levels]);
+            let mut rows = rows.to_vec();
+            rows.extend(headline::against(report).map(|against| vec!["Against".into(), String::new(), against]));
+            render(&["", "of full range", "of 255"], rows, &[1])
+        }
+        Err(why) => render(&[], vec![vec![format!("not measured: {why}")]], &[]),
+    }
 }
 
 fn listed_counts<'a>(counts: impl IntoIterator<Item = (&'a String, &'a u64)>) -> String {

@@ -88,7 +88,7 @@ fn a_rate_that_does_not_follow_from_the_cycles_is_found() {
 fn counters_without_a_clock_are_found() {
     let mut report = sample::report();
     report.timing = None;
-    assert!(matches!(report.check(), Err(ReportError::UnitsWithoutTiming { units: 6 })));
+    assert!(matches!(report.check(), Err(ReportError::UnitsWithoutTiming { units: 7 })));
 }
 
 #[test]
@@ -129,5 +129,21 @@ proptest! {
             TimingCounts { frames: 1, cycles, clock_hz, beams: 1, samples, ray_slots: 1, fill_cycles, frame_interval_cycles };
         report.timing = Some(counts.into());
         prop_assert!(report.check().is_ok());
+    }
+}
+
+#[test]
+fn a_mean_beyond_the_largest_and_a_bias_beyond_the_mean_are_found() {
+    type Break = fn(&mut cube3_metrics::ImageError);
+    let breaks: [(Break, &str); 3] = [
+        (|error| error.mean_relative = 1.01 * error.max, "error.mean_relative"),
+        (|error| error.percentile_99 = 1.01 * error.max, "error.percentile_99"),
+        (|error| error.bias = -1.01 * error.mean_relative, "error.bias"),
+    ];
+    for (damage, place) in breaks {
+        let mut report = sample::report();
+        damage(report.error.as_mut().unwrap().footprint.error.as_mut().unwrap());
+        let error = report.check().unwrap_err();
+        assert!(matches!(error, ReportError::Inconsistent { key, .. } if key == place), "{error}");
     }
 }

@@ -7,7 +7,7 @@ use serde_json::json;
 
 fn page() -> String {
     let png = png_rgb8(2, 1, &[255, 0, 0, 0, 0, 255]).unwrap();
-    let figure = Figure { title: "Image", caption: "Two pixels", png: &png };
+    let figure = Figure { title: "Image", caption: "Two pixels", png: &png, still: None };
     html(&sample::report(), &[figure])
 }
 
@@ -43,7 +43,10 @@ fn escapes_text_wherever_it_stands() {
     report.fidelity = evil.into();
     report.program.version = evil.into();
     report.volume.source = evil.into();
-    report.volume.conversion = json!({evil: evil});
+    report.volume.conversion = evil.into();
+    report.command = vec!["cube3".into(), evil.into()];
+    report.sources.machine_preset = Some(evil.into());
+    report.sources.scene_file = Some(evil.into());
     report.view.template_rule = evil.into();
     report.view.major_axis = evil.into();
     report.plan.left_out[0].what = evil.into();
@@ -52,10 +55,11 @@ fn escapes_text_wherever_it_stands() {
     report.units[0].name = evil.into();
     report.units[0].waiting = [(evil.into(), 820)].into();
     report.channels[0].name = evil.into();
+    report.channels[0].from = evil.into();
     report.words.overflows = [(evil.into(), 1)].into();
     report.error.as_mut().unwrap().against = evil.into();
     report.digest.image = Some(evil.into());
-    let figure = Figure { title: evil, caption: evil, png: b"" };
+    let figure = Figure { title: evil, caption: evil, png: b"", still: None };
     let page = html(&report, &[figure]);
     assert!(!page.contains("<script"));
     assert!(!page.contains("alert(\"1\")"));
@@ -80,9 +84,10 @@ fn is_well_formed_for_a_reader() {
 #[test]
 fn each_bar_fills_its_row() {
     let page = page();
-    let widths: Vec<f64> = page
+    let bars = page.split("<svg class=\"bars\"").nth(1).unwrap().split("</svg>").next().unwrap();
+    let widths: Vec<f64> = bars
         .match_indices("<rect class=\"")
-        .filter_map(|(at, _)| page[at..].split("width=\"").nth(1)?.split('"').next()?.parse().ok())
+        .filter_map(|(at, _)| bars[at..].split("width=\"").nth(1)?.split('"').next()?.parse().ok())
         .filter(|width: &f64| width.fract() != 0.0 || *width > 30.0)
         .collect();
     let sum: f64 = widths.iter().sum();

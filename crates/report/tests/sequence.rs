@@ -19,6 +19,7 @@ fn frame(cycles: u64, end_cycle: u64, volumes: [u64; 2], newer_fraction: f64) ->
         mixed_beams: 5,
         first_torn_plane: None,
         error: None,
+        footprint: None,
         remark: None,
         digest: DigestReport::default(),
     }
@@ -45,6 +46,7 @@ fn report() -> RunReport {
             buffers: 1,
             torn_frames: 1,
         }),
+        animation: Some("animation.png".into()),
         frames: vec![frame(first, first, [0, 0], 0.0), frame(counts.cycles - first, counts.cycles, [0, 1], 0.25)],
     });
     report

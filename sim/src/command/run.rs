@@ -2,7 +2,7 @@
 
 use super::scene::SceneArguments;
 use super::{fits, on_threads, threads};
-use crate::output::{SequenceFiles, write_run, write_whole};
+use crate::output::{ANIMATION, SequenceFiles, write_run, write_whole};
 use crate::problem::{Outcome, Problem};
 use crate::progress::{Bars, Waiting};
 use clap::{Args, Parser, ValueEnum};
@@ -11,14 +11,15 @@ use cube3::memory::{Case, Grid};
 use cube3::sequence::{MOST_FRAMES, Shown, run_sequence};
 use cube3::{Error, RunOptions, Runs, conversion, run_frame};
 use cube3_inputs::{self as inputs, KEPT_VOLUMES, LoadedVolume, Series};
-use cube3_machine::{AcquisitionMode, MachineSpec, RayEnds, RaySlots, TemplateRule};
+use cube3_machine::{AcquisitionMode, MachineSpec, PRESETS, RayEnds, RaySlots, TemplateRule};
 use cube3_method::Choice;
 use cube3_pipeline::checkpoint;
 use cube3_rendering::MethodError;
-use cube3_report::{Drawing, table};
+use cube3_report::{Drawing, JSON_SCHEMA, SourcesReport, table};
 use cube3_scene::{Path, Scene};
 use cube3_trace::{CycleWindow, TraceFormat};
 use cube3_volume::ReadOptions;
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -106,6 +107,9 @@ pub struct RunArguments {
     /// Print the default machine, commented, and stop.
     #[arg(long)]
     print_machine: bool,
+    /// Print the JSON schema of report.json, and stop.
+    #[arg(long)]
+    print_schema: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
@@ -174,6 +178,9 @@ impl RunArguments {
         if self.print_machine {
             return print(&MachineSpec::default().commented());
         }
+        if self.print_schema {
+            return print(JSON_SCHEMA);
+        }
         keep_inputs(self.scene.file(), &self.machine, &self.out)?;
         let mut stops = self.stops()?;
         let drawing = self.topology.as_deref().map(drawing).transpose()?;
@@ -196,7 +203,7 @@ impl RunArguments {
         stops.resume = self.resume.as_deref().map(checkpoint::read).transpose()?;
         let bars = Bars::default();
         let watch = |what: &'static str, done, all| bars.set(what, done, all);
-        let (result, files) = on_threads(self.threads, || {
+        let (mut result, mut files) = on_threads(self.threads, || {
             let started = |volume: &LoadedVolume| {
                 let [nx, ny, nz] = volume.dims();
                 print(&format!("{}: {nx} × {ny} × {nz}\n{}\n", volume.source, conversion(&scene, volume)))
@@ -217,6 +224,11 @@ impl RunArguments {
             let result = run_sequence(&scene, &machine, &mut series, frames, &options, take, &watch)?;
             Ok((result, Some(files)))
         })?;
+        result.report.command = command(std::env::args_os().skip(1));
+        result.report.sources = self.sources();
+        if let Some(sequence) = result.report.sequence.as_mut().filter(|_| result.pictures.image.is_some()) {
+            sequence.animation = Some(ANIMATION.into());
+        }
         print(&table(&result.report))?;
         for note in &result.notes {
             print(&format!("\nnote: {note}\n"))?;
@@ -224,7 +236,8 @@ impl RunArguments {
         if self.frames.is_none() && scene.path.is_some() {
             print("\nnote: this is the scene's own view; --frames N goes along its path\n")?;
         }
-        let mut written = write_run(&self.out, &result, &scene, &machine)?;
+        let animation = files.as_mut().map(SequenceFiles::animation).transpose()?.flatten();
+        let mut written = write_run(&self.out, &result, animation.as_deref(), &scene, &machine)?;
         if let (Some(path), Some(drawing), Some(counters)) = (&self.topology, drawing, &result.counters) {
             write_whole(path, drawing.draw(counters).as_bytes())?;
             written.push(path.display().to_string());
@@ -300,6 +313,16 @@ impl RunArguments {
         Ok(scene)
     }
 
+    /// Where scene and machine come from.
+    fn sources(&self) -> SourcesReport {
+        let preset = PRESETS.iter().any(|(name, _)| *name == self.machine);
+        SourcesReport {
+            scene_file: self.scene.file().map(|file| file.display().to_string()),
+            machine_file: (!preset).then(|| self.machine.clone()),
+            machine_preset: preset.then(|| self.machine.clone()),
+        }
+    }
+
     fn machine(&self) -> Outcome<MachineSpec> {
         let mut machine = self.scene.machine(&self.machine)?;
         machine.acquisition.mode = match self.acquisition {
@@ -334,6 +357,22 @@ fn drawing(path: &std::path::Path) -> Outcome<Drawing> {
     Drawing::of(path).ok_or_else(|| Problem::new(format!("{}: the drawing is an .svg or .dot file", path.display())))
 }
 
+/// The command for the report: the program and its arguments, without the options that change nothing that is measured. So the same run gives
+/// the same report on any number of threads and in any folder.
+fn command(arguments: impl Iterator<Item = OsString>) -> Vec<String> {
+    const ASIDE: [&str; 2] = ["--threads", "--out"];
+    let mut words = vec!["cube3".to_owned()];
+    let mut arguments = arguments.map(|argument| argument.to_string_lossy().into_owned());
+    while let Some(argument) = arguments.next() {
+        if ASIDE.contains(&argument.as_str()) {
+            arguments.next();
+        } else if !argument.split_once('=').is_some_and(|(option, _)| ASIDE.contains(&option)) {
+            words.push(argument);
+        }
+    }
+    words
+}
+
 /// The resolved scene and machine are written into the folder; they must not take the place of the files read.
 pub(super) fn keep_inputs(scene: Option<&std::path::Path>, machine: &str, out: &std::path::Path) -> Outcome<()> {
     for (input, name) in [(scene, "scene.toml"), (Some(std::path::Path::new(machine)), "machine.toml")] {
@@ -355,5 +394,19 @@ pub(super) fn print(text: &str) -> Outcome<()> {
     match std::io::stdout().write_all(text.as_bytes()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_is_told_without_threads_and_folder() {
+        let told = |arguments: &[&str]| command(arguments.iter().map(OsString::from)).join(" ");
+        assert_eq!(told(&[]), "cube3");
+        assert_eq!(told(&["run", "--threads", "2", "--yaw", "-30", "--out", "a b"]), "cube3 run --yaw -30");
+        assert_eq!(told(&["run", "--out=x", "--threads=1", "--yaw=5"]), "cube3 run --yaw=5");
+        assert_eq!(told(&["run", "--outer", "--threads"]), "cube3 run --outer");
     }
 }

@@ -68,6 +68,8 @@ pub fn traffic_report(machine: &MachineSpec, counters: &RunCounters) -> TrafficR
 pub fn channel_reports(counters: &RunCounters) -> Vec<ChannelReport> {
     let report = |reading: &ChannelReading| ChannelReport {
         name: reading.name.into(),
+        from: reading.joint.from.into(),
+        to: reading.joint.to.into(),
         capacity: reading.capacity as u64,
         latency: reading.latency,
         pushes: reading.counters.pushes,

@@ -13,6 +13,12 @@ pub fn report() -> RunReport {
     RunReport {
         schema: SCHEMA,
         program: Program { name: "cube3".into(), version: "0.1.0".into() },
+        command: ["cube3", "run", "--scene", "my head.toml", "--machine", "cube3-128"].map(String::from).to_vec(),
+        sources: SourcesReport {
+            scene_file: Some("my head.toml".into()),
+            machine_file: None,
+            machine_preset: Some("cube3-128".into()),
+        },
         fidelity: "timing + function".into(),
         seed: 3,
         scene: json!({
@@ -21,12 +27,18 @@ pub fn report() -> RunReport {
             "mode": "composite",
             "opacity": [[0, 0.0], [900, 0.0], [1200, 0.6]],
         }),
-        machine: json!({"name": "cube3-128", "lanes": 128, "clock_hz": 8e6}),
+        machine: json!({"name": "cube3-128", "lanes": 128, "clock_hz": 8e6, "abc": {"gradient": "12"}}),
         volume: VolumeReport {
             source: "phantom head".into(),
             dims: [128, 128, 128],
             spacing: [1.0, 1.0, 1.0],
-            conversion: json!({"window": [0.0, 1.0], "bits": 16, "rounding": "nearest"}),
+            conversion: "window 0 to 1 -> 16-bit words, 65535 words per unit, rounded to nearest".into(),
+            window: [0.0, 1.0],
+            word_bits: 16,
+            scale: Some(65_535.0),
+            clipped_below: 0,
+            clipped_above: 17,
+            masked: 0,
             axes: None,
         },
         view: ViewReport {
@@ -115,15 +127,16 @@ pub fn report() -> RunReport {
         units: vec![
             unit("cfb", 16_384, 0, 1_003, &[("memory", 700), ("refresh", 120)]),
             unit("bus", 16_384, 1_823, 0, &[]),
-            unit("dsb", 16_384, 1_523, 300, &[]),
+            unit("dsb.write", 16_384, 1_523, 300, &[]),
+            unit("dsb.read", 16_384, 1_823, 0, &[]),
             unit("trilin", 16_384, 1_823, 0, &[]),
             unit("abc", 15_180, 3_027, 0, &[]),
             unit("cone", 4_100, 14_107, 0, &[]),
         ],
         channels: vec![
-            channel("beams", 4, 2, 16_384, 3.4),
-            channel("aligned", 4, 2, 16_384, 1.1),
-            channel("rays", 8, 3, 16_384, 2.7),
+            channel("beams", ["cfb", "bus"], 4, 2, 16_384, 3.4),
+            channel("aligned", ["bus", "dsb.write"], 4, 2, 16_384, 1.1),
+            channel("rays", ["dsb.read", "trilin"], 8, 3, 16_384, 2.7),
         ],
         words: WordsReport {
             overflows: [("abc.colour".into(), 12), ("cone.opacity".into(), 0)].into(),
@@ -136,11 +149,12 @@ pub fn report() -> RunReport {
         digest: DigestReport { base_plane: Some(sha256_hex(b"base plane")), image: Some(sha256_hex(b"image")) },
         sequence: None,
         wall: WallReport {
+            volume_s: Some(0.4),
             timing_s: Some(0.0031),
             function_s: Some(0.021),
             cycle_s: None,
             reference_s: Some(1.94),
-            total_s: Some(2.2),
+            total_s: Some(2.6),
             samples_per_s: Some(9.8e7),
             threads: Some(2),
         },
@@ -152,9 +166,19 @@ fn unit(name: &str, busy: u64, starved: u64, blocked: u64, waiting: &[(&str, u64
     UnitReport { name: name.into(), busy, starved, blocked, waiting }
 }
 
-fn channel(name: &str, capacity: u64, latency: u64, pushes: u64, mean_occupancy: f64) -> ChannelReport {
+fn channel(
+    name: &str,
+    joins: [&str; 2],
+    capacity: u64,
+    latency: u64,
+    pushes: u64,
+    mean_occupancy: f64,
+) -> ChannelReport {
+    let [from, to] = joins.map(String::from);
     ChannelReport {
         name: name.into(),
+        from,
+        to,
         capacity,
         latency,
         pushes,
@@ -172,6 +196,8 @@ fn comparison() -> ImageComparison {
         max: 0.172_549_019_607_843_14,
         psnr_db: Some(-20.0 * (0.013_7 * scale).log10()),
         fraction_off: 0.23 * scale,
+        percentile_99: 0.041 * scale,
+        bias: -0.001_2 * scale,
     };
     ImageComparison { whole: error(1.0), footprint: Some(error(2.2)), footprint_pixels: 9_412 }
 }
