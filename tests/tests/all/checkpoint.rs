@@ -21,7 +21,7 @@ struct Case {
     volume: SmallVolume,
 }
 
-fn cases() -> impl Strategy<Value = Case> {
+fn saved_runs() -> impl Strategy<Value = Case> {
     (machines(), proptest::collection::vec(scenes(), 1..3), volumes(6, 8), any::<bool>()).prop_map(
         |(machine, scenes, mut volume, overlap)| {
             let machine = MachineSpec { frames: Frames { overlap }, ..machine };
@@ -77,7 +77,7 @@ proptest! {
 
     #[test]
     fn a_resumed_run_has_the_bits_and_counters_of_one_that_went_through(
-        case in cases(), fractions in proptest::collection::vec(0.0..1.0_f64, 1..4),
+        case in saved_runs(), fractions in proptest::collection::vec(0.0..1.0_f64, 1..4),
     ) {
         let through = finish(case.cycle());
         let stops = stops(through.counters().cycles, &fractions);
@@ -90,7 +90,7 @@ proptest! {
     }
 
     #[test]
-    fn another_run_is_refused(case in cases(), other in cases(), fraction in 0.0..1.0_f64, word: Index) {
+    fn another_run_is_refused(case in saved_runs(), other in saved_runs(), fraction in 0.0..1.0_f64, word: Index) {
         let mut machine = case.timing();
         machine.run_until((200.0 * fraction) as u64, &|_, _| {}).unwrap();
         let identity = case.identity("timing");
@@ -113,7 +113,7 @@ proptest! {
     }
 
     #[test]
-    fn damage_is_found(case in cases(), fraction in 0.0..1.0_f64, place: Index, flip in 1_u8..=255, cut: Index, noise: Vec<u8>) {
+    fn damage_is_found(case in saved_runs(), fraction in 0.0..1.0_f64, place: Index, flip in 1_u8..=255, cut: Index, noise: Vec<u8>) {
         let mut machine = case.cycle();
         machine.run_until((200.0 * fraction) as u64, &|_, _| {}).unwrap();
         let identity = case.identity("cycle");

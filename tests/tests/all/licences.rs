@@ -7,17 +7,8 @@ use std::path::Path;
 use std::process::Command;
 
 /// Licences that ask for their text to be kept, and for nothing else.
-const PERMISSIVE: [&str; 9] = [
-    "0BSD",
-    "Apache-2.0",
-    "BSD-2-Clause",
-    "BSD-3-Clause",
-    "BSL-1.0",
-    "ISC",
-    "MIT",
-    "Unicode-3.0",
-    "Zlib",
-];
+const PERMISSIVE: [&str; 9] =
+    ["0BSD", "Apache-2.0", "BSD-2-Clause", "BSD-3-Clause", "BSL-1.0", "ISC", "MIT", "Unicode-3.0", "Zlib"];
 
 /// Whether a licence's expression can be met by permissive licences alone.
 fn is_permissive(licence: &str) -> bool {
@@ -76,7 +67,10 @@ fn licences(metadata: &Value) -> BTreeMap<String, String> {
 fn every_dependency_of_the_default_build_has_a_permissive_licence() {
     let licences = licences(&metadata());
     assert!(licences.keys().any(|name| name.starts_with("glam ")), "{licences:?}");
-    assert!(licences.keys().any(|name| name.starts_with("serde_derive ")), "what runs while they are compiled: {licences:?}");
+    assert!(
+        licences.keys().any(|name| name.starts_with("serde_derive ")),
+        "what runs while they are compiled: {licences:?}"
+    );
     assert!(!licences.keys().any(|name| name.starts_with("proptest ")), "tests are not built into it: {licences:?}");
     let others: Vec<String> = licences
         .iter()
@@ -91,7 +85,14 @@ fn a_licence_that_binds_is_found_in_any_expression() {
     for licence in ["MIT", "MIT/Apache-2.0", "(MIT OR Apache-2.0) AND Unicode-3.0", "GPL-2.0-only OR MIT"] {
         assert!(is_permissive(licence), "{licence}");
     }
-    for licence in ["GPL-3.0-or-later", "MIT AND LGPL-2.1-only", "MPL-2.0", "Apache-2.0 AND (GPL-2.0-only OR SSPL-1.0)", "", "to be asked for"] {
+    for licence in [
+        "GPL-3.0-or-later",
+        "MIT AND LGPL-2.1-only",
+        "MPL-2.0",
+        "Apache-2.0 AND (GPL-2.0-only OR SSPL-1.0)",
+        "",
+        "to be asked for",
+    ] {
         assert!(!is_permissive(licence), "{licence}");
     }
 }

@@ -2,6 +2,7 @@
 
 use cube3_tests::rtl::{MADE_SOON, folder, require, run, verilator_program};
 use cube3_tests::rtl_vectors::Bench;
+use cube3_tests::thorough::thorough;
 use cube3_vectors::{Format, Unit, Vectors, testbench, units};
 use rayon::prelude::*;
 use std::path::Path;
@@ -38,12 +39,19 @@ fn all(formats: impl Fn(&dyn Unit) -> Vec<Format> + Sync, check: impl Fn(&Bench)
 #[test]
 fn every_unit_in_every_format_in_icarus() {
     let (Some(iverilog), Some(vvp)) = (require("iverilog"), require("vvp")) else { return };
-    all(|unit| unit.formats(), |bench| bench.icarus(&iverilog, &vvp, &folder()));
+    let formats = |unit: &dyn Unit| match thorough("formats of units in Icarus but the reference") {
+        true => unit.formats(),
+        false => vec![Format::reference()],
+    };
+    all(formats, |bench| bench.icarus(&iverilog, &vvp, &folder()));
 }
 
 #[test]
 fn every_unit_in_verilator() {
     let Some(verilator) = require("verilator") else { return };
+    if !thorough("vectors of units in Verilator") {
+        return;
+    }
     all(|_| vec![Format::reference()], |bench| bench.verilator(&verilator, &folder()));
 }
 

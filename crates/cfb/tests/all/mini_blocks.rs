@@ -321,7 +321,7 @@ fn ahead() -> impl Strategy<Value = (usize, LookAheadUnit, LookAheadFreed, usize
 }
 
 /// Machines with this layout, and frames: one or two parallel ones, or the passes of an eye.
-fn cases() -> impl Strategy<Value = (MachineSpec, Vec<FrameSetup>)> {
+fn blocked() -> impl Strategy<Value = (MachineSpec, Vec<FrameSetup>)> {
     let kinds = proptest::sample::select(MemoryModel::TABLE.map(|model| model.kind).to_vec());
     let machine = (1_usize..7, [-3_i64..4, -3_i64..4, -3_i64..4], kinds, 0.3..3.0_f64, any::<bool>(), ahead());
     let view =
@@ -384,7 +384,7 @@ proptest! {
     /// mini-blocks say.
     #[test]
     fn the_frame_buffer_does_in_every_cycle_what_its_rules_say(
-        (mut machine, setups) in cases(), room in prop_oneof![Just(0.0), Just(1.0), 0.0..1.0_f64],
+        (mut machine, setups) in blocked(), room in prop_oneof![Just(0.0), Just(1.0), 0.0..1.0_f64],
     ) {
         let need = need(&machine, &setups);
         let words = need.least + (room * (need.steady - need.least) as f64) as u64;
@@ -411,7 +411,7 @@ proptest! {
     /// A row of mini-blocks of a parallel view is read once or twice, and every mini-block at least once. Sections read no more of each row
     /// again than the mini-block in which the last slot meets the first.
     #[test]
-    fn rows_of_a_parallel_view_are_read_once_or_twice((mut machine, setups) in cases()) {
+    fn rows_of_a_parallel_view_are_read_once_or_twice((mut machine, setups) in blocked()) {
         if setups[0].geometry.perspective.is_some() {
             return Ok(());
         }

@@ -1,5 +1,4 @@
 //! Random registers and samples, as wide as their documentation allows.
-#![allow(dead_code)]
 
 use cube3_abc::golden::Neighbourhood;
 use cube3_frame::{

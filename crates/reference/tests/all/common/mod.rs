@@ -1,5 +1,4 @@
 //! What several tests need: volumes and scenes, the symmetries of the cube, lengths and distances by other methods.
-#![allow(dead_code)]
 
 pub mod brute_force;
 pub mod labels;

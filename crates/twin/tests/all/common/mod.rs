@@ -1,5 +1,4 @@
 //! What several tests need: the machine's geometries, and what the reference's tests need too.
-#![allow(dead_code, unused_imports)]
 
 #[path = "../../../../reference/tests/all/common/mod.rs"]
 mod shared;

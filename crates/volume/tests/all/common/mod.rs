@@ -1,5 +1,4 @@
 //! The fixtures and their closed form, for the tests of the readers.
-#![allow(dead_code)] // Each test file uses its part.
 
 use cube3_volume::{SampleType, Space, Volume};
 

@@ -1,5 +1,4 @@
 //! What other programs say a file holds, and whether a volume holds the same.
-#![allow(dead_code)] // Each test file uses its part.
 
 use std::ffi::OsStr;
 use std::fmt::Debug;
