@@ -28,13 +28,13 @@ mod sequence;
 mod shares;
 mod table;
 
+pub use self::png::{png_rgb8, to_rgb8};
 pub use digest::sha256_hex;
 pub use error::ReportError;
 pub use html::{Figure, html};
 pub use json::{from_json, to_json, write_json};
 pub use opacity_report::{OpacityChange, OpacityReport};
 pub use parameter_list::{name_list, parameter_list};
-pub use png::{png_rgb8, to_rgb8};
 pub use quantity::{count, number, percentage};
 pub use resources_report::{
     InterfaceReport, LimitWithout, LimitsReport, LinesReport, LinkReport, MemoryBits, MemoryTraffic, OperatorsReport,

@@ -76,6 +76,21 @@ fn a_run_writes_its_pictures_its_report_and_what_it_ran() {
     ] {
         assert!(report.pointer(key).is_some_and(|value| !value.is_null()), "{key}");
     }
+    let text = report.to_string();
+    for key in [
+        "limits",
+        "critical",
+        "resources",
+        "operators",
+        "interfaces",
+        "traffic",
+        "base_plane",
+        "image",
+        "reference_s",
+        "max",
+    ] {
+        assert!(text.contains(&format!("\"{key}\":")), "{key}");
+    }
 }
 
 #[test]
@@ -260,6 +275,12 @@ fn mistakes_get_one_message_and_exit_code_2_and_lose_nothing() {
     check(output, "short.nrrd", "a header that promises more than the file holds");
     std::fs::write(path.join("file"), "").unwrap();
     check(cube3(path, &["run", "--size", "8", "--out", "file"]), "file", "a file in the folder's place");
+    check(
+        cube3(path, &["run", "--machine", "bad-machine.toml", "--out", "new"]),
+        "lanes",
+        "a folder that is not there",
+    );
+    assert!(!path.join("new").exists(), "nothing is written");
     assert_eq!(std::fs::read(path.join("out/image.png")).unwrap(), before, "nothing is written over");
 }
 

@@ -5,8 +5,13 @@ use cube3_metrics::Picture;
 use cube3_report::{ReportError, png_rgb8, to_rgb8};
 use proptest::prelude::*;
 
-fn decode(file: &[u8]) -> image::RgbImage {
-    image::load_from_memory(file).unwrap().to_rgb8()
+/// Width, height and bytes of an 8-bit RGB picture.
+fn decode(file: &[u8]) -> (usize, usize, Vec<u8>) {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();
+    let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
+    let frame = reader.next_frame(&mut rgb).unwrap();
+    assert_eq!((frame.color_type, frame.bit_depth), (png::ColorType::Rgb, png::BitDepth::Eight));
+    (frame.width as usize, frame.height as usize, rgb)
 }
 
 #[test]
@@ -46,9 +51,7 @@ proptest! {
         let bytes: Vec<u8> =
             (0..3 * width * height).map(|i| seed[i % 32].wrapping_mul(i as u8)).collect();
         let file = png_rgb8(width, height, &bytes).unwrap();
-        let back = decode(&file);
-        prop_assert_eq!(back.dimensions(), (width as u32, height as u32));
-        prop_assert_eq!(back.into_raw(), bytes.clone());
+        prop_assert_eq!(decode(&file), (width, height, bytes.clone()));
         prop_assert_eq!(png_rgb8(width, height, &bytes).unwrap(), file);
     }
 }
