@@ -13,10 +13,10 @@ use std::time::{Duration, Instant};
 const LIMIT: Duration = Duration::from_secs(120);
 
 /// What a copy is made of, from the workspace's root.
-const PARTS: [&str; 5] = ["Cargo.toml", "Cargo.lock", "crates", "sim", "tests"];
+const PARTS: [&str; 7] = ["Cargo.toml", "Cargo.lock", "crates", "sim", "tests", "docs", "traces"];
 
 /// Code broken on purpose: one place of a file is replaced.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Break {
     /// What is wrong then.
@@ -27,7 +27,7 @@ pub struct Break {
     pub find: String,
     /// What stands there instead.
     pub replace: String,
-    /// The test of the package of tests that must catch it; the tests of the file's crate where none is given.
+    /// The module of the package of tests that must catch it; the tests of the file's crate where none is given.
     pub test: Option<String>,
 }
 
@@ -36,7 +36,7 @@ pub struct Break {
 pub enum Suite {
     /// All of a crate, by its folder.
     Crate(String),
-    /// One of the package of tests.
+    /// One module of the package of tests.
     Test(String),
 }
 
@@ -59,7 +59,7 @@ pub fn root() -> &'static Path {
 /// # Panics
 /// Where the file cannot be read.
 pub fn breaks() -> Vec<Break> {
-    list("golden_breaks.toml")
+    list(DEFINITIONS)
 }
 
 /// All breaks of `tests/measurement_breaks.toml`: those of what is counted, limited, measured and left out.
@@ -67,14 +67,63 @@ pub fn breaks() -> Vec<Break> {
 /// # Panics
 /// Where the file cannot be read.
 pub fn measurement_breaks() -> Vec<Break> {
-    list("measurement_breaks.toml")
+    list(MEASUREMENTS)
 }
 
+/// The lists, from the workspace's root.
+const DEFINITIONS: &str = "tests/golden_breaks.toml";
+const MEASUREMENTS: &str = "tests/measurement_breaks.toml";
+
 fn list(name: &str) -> Vec<Break> {
-    let path = root().join("tests").join(name);
+    let path = root().join(name);
     let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let Breaks { breaks } = toml::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     breaks
+}
+
+/// The first break of each file, in the lists' order.
+pub fn one_each(breaks: &[Break]) -> Vec<Break> {
+    let mut files = BTreeSet::new();
+    breaks.iter().filter(|of| files.insert(&of.file)).cloned().collect()
+}
+
+/// What differs between the working tree and a revision.
+#[derive(Clone, Debug)]
+pub struct Changes {
+    /// Files, from the workspace's root.
+    pub files: BTreeSet<String>,
+    /// Breaks that the lists had.
+    pub listed: Vec<Break>,
+}
+
+impl Changes {
+    /// The changes since a revision of git.
+    ///
+    /// # Errors
+    /// A revision that git does not know.
+    pub fn since(revision: &str) -> Result<Changes, String> {
+        let git = |arguments: &[&str]| {
+            let output = Command::new("git").current_dir(root()).args(arguments).output();
+            let output = output.map_err(|error| format!("git: {error}"))?;
+            let [text, fault] =
+                [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+            if output.status.success() { Ok(text) } else { Err(format!("git {}: {fault}", arguments.join(" "))) }
+        };
+        let changed = git(&["diff", "--relative", "--name-only", "--no-renames", revision, "--"])?;
+        let new = git(&["ls-files", "--others", "--exclude-standard"])?;
+        // A revision may have had no such list, or one of another form: then all of its breaks are new.
+        let list = |name: &str| {
+            let text = git(&["show", &format!("{revision}:./{name}")]).ok()?;
+            toml::from_str(&text).ok().map(|Breaks { breaks }| breaks)
+        };
+        let listed = [DEFINITIONS, MEASUREMENTS].into_iter().filter_map(list).flatten().collect();
+        Ok(Changes { files: changed.lines().chain(new.lines()).map(String::from).collect(), listed })
+    }
+
+    /// Whether a break is of a file that has changed, or is new itself.
+    pub fn touch(&self, of: &Break) -> bool {
+        self.files.contains(&of.file) || !self.listed.contains(of)
+    }
 }
 
 /// The files that hold definitions, from the workspace's root, in order: every crate's `golden.rs`, and the arithmetic of words that
@@ -133,21 +182,32 @@ impl Suite {
     }
 
     /// What is compiled and run, one after another. Most breaks are caught by the unit tests, and the others need not be compiled then.
-    fn targets(&self) -> Vec<Vec<&str>> {
+    fn targets(&self) -> &'static [&'static [&'static str]] {
         match self {
-            Suite::Crate(_) => vec![vec!["--lib"], vec!["--tests"]],
-            Suite::Test(test) => vec![vec!["--test", test]],
+            Suite::Crate(name) if root().join("crates").join(name).join("tests").is_dir() => {
+                &[&["--lib"], &["--test", "all"]]
+            }
+            Suite::Crate(_) => &[&["--lib"]],
+            Suite::Test(_) => &[&["--test", "all"]],
+        }
+    }
+
+    /// What the programs are told: which of their tests are run.
+    fn filter(&self) -> Option<String> {
+        match self {
+            Suite::Crate(_) => None,
+            Suite::Test(module) => Some(format!("{module}::")),
         }
     }
 }
 
-/// What became of a copy's tests.
+/// What became of a break.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// All passed.
-    Passed,
-    /// One failed, or did not end.
-    Failed,
+    /// A test failed, or did not end.
+    Caught,
+    /// All tests passed.
+    Missed,
 }
 
 /// A copy of the workspace, which is compiled into a folder of its own.
@@ -172,36 +232,65 @@ impl Copy {
         self.folder.join("workspace")
     }
 
-    /// A suite as it is.
+    /// Runs a suite up to the first of its targets that does not pass; which that is.
     ///
     /// # Errors
     /// What does not compile.
-    pub fn test(&self, suite: &Suite) -> Result<Outcome, String> {
-        for targets in suite.targets() {
-            for program in self.compile(suite, &targets)? {
-                let mut run = Command::new(&program);
-                run.current_dir(self.sources().join(suite.folder())).arg("--quiet");
-                // What is found need not be made small.
-                run.env("PROPTEST_DISABLE_FAILURE_PERSISTENCE", "true").env("PROPTEST_MAX_SHRINK_ITERS", "0");
-                run.stdout(Stdio::null()).stderr(Stdio::null());
-                if !ended(&mut run)?.is_some_and(|status| status.success()) {
-                    return Ok(Outcome::Failed);
-                }
+    fn failing(&self, suite: &Suite) -> Result<Option<usize>, String> {
+        for (number, targets) in suite.targets().iter().enumerate() {
+            if !self.passes(suite, targets)? {
+                return Ok(Some(number));
             }
         }
-        Ok(Outcome::Passed)
+        Ok(None)
     }
 
-    /// The suite of a break. The file is whole again afterwards.
+    fn passes(&self, suite: &Suite, targets: &[&str]) -> Result<bool, String> {
+        for program in self.compile(suite, targets)? {
+            let mut run = Command::new(&program);
+            run.current_dir(self.sources().join(suite.folder())).arg("--quiet").args(suite.filter());
+            // What is found need not be made small.
+            run.env("PROPTEST_DISABLE_FAILURE_PERSISTENCE", "true").env("PROPTEST_MAX_SHRINK_ITERS", "0");
+            run.stdout(Stdio::null()).stderr(Stdio::null());
+            if !ended(&mut run)?.is_some_and(|status| status.success()) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Tries breaks of a suite, one after another, and gives what became of each to `tell`. Targets that fail on a break must pass on the
+    /// code as it is: else they would catch anything.
     ///
     /// # Errors
-    /// A break that does not compile, and files that cannot be read or written.
-    pub fn test_broken(&self, of: &Break) -> Result<Outcome, String> {
+    /// A break that does not compile, a target that fails although nothing is broken, and files that cannot be read or written.
+    pub fn try_breaks(
+        &self,
+        suite: &Suite,
+        breaks: &[&Break],
+        mut tell: impl FnMut(&Break, Outcome),
+    ) -> Result<(), String> {
+        let mut caught_by = BTreeSet::new();
+        for of in breaks {
+            let failing = self.broken(of).map_err(|error| format!("{}: \"{}\": {error}", of.file, of.what))?;
+            tell(of, if failing.is_some() { Outcome::Caught } else { Outcome::Missed });
+            caught_by.extend(failing);
+        }
+        for number in caught_by {
+            if !self.passes(suite, suite.targets()[number])? {
+                return Err(format!("{suite:?} of {} fails although nothing is broken", suite.package()));
+            }
+        }
+        Ok(())
+    }
+
+    /// The target of its suite that fails on a break. The file is whole again afterwards.
+    fn broken(&self, of: &Break) -> Result<Option<usize>, String> {
         let path = self.sources().join(&of.file);
         let write = |text: &str| fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()));
         let whole = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         write(&of.text()?)?;
-        let outcome = self.test(&of.suite());
+        let outcome = self.failing(&of.suite());
         write(&whole)?;
         outcome
     }

@@ -6,6 +6,7 @@ pub mod house;
 pub mod known_answers;
 pub mod rtl;
 pub mod rtl_vectors;
+pub mod thorough;
 
 pub mod rtl_pipeline;
 pub mod waves;

@@ -476,9 +476,12 @@ fn blocks<const N: usize>(rows: &[Vec<i32>; N], mut each: impl FnMut(usize, [Lan
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn a_sample_of_a_block_comes_back(present: bool, sample: i32, opacity: u32, colour: [u32; 3], lane in 0..BLOCK_LANES) {
             let shaded = golden::Shaded { present, sample, opacity, colour };

@@ -225,6 +225,7 @@ impl FrameBuffer {
 mod tests {
     use super::*;
     use bitvec::prelude::*;
+    use cube3_cases::cases;
     use proptest::prelude::*;
     use proptest::sample::select;
 
@@ -273,6 +274,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn cycles_are_those_of_the_fullest_module(
             lanes in 1_usize..40, coefficients: [i8; 3], step: [i8; 3], start: [i8; 3], count in 1_usize..100,

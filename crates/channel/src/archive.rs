@@ -117,6 +117,7 @@ impl<'a> Archive<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     #[derive(Debug, PartialEq)]
@@ -149,6 +150,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn any_bytes_are_taken_or_refused(bytes: Vec<u8>) {
             let mut thing = Thing { number: 0, list: vec![0; 3] };

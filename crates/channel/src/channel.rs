@@ -328,6 +328,7 @@ impl<T: Payload> Archived for Channel<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use proptest::prelude::*;
     use std::collections::VecDeque;
 
@@ -520,6 +521,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn a_channel_is_a_delayed_queue_that_counts(
             capacity in 1_usize..6, latency in 1_u64..5, wishes in proptest::collection::vec((any::<bool>(), any::<bool>(), any::<bool>()), 1..200),

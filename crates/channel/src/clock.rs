@@ -97,6 +97,7 @@ impl ClockDomain {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     #[test]
@@ -125,6 +126,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn so_many_ticks_take_so_many_cycles(ticks in 1_u64..40, cycles in 1_u64..40, start in 0_u64..40, wanted in 0_u64..200) {
             let mut clock = ClockDomain::from_ratio(ticks, cycles);

@@ -67,6 +67,7 @@ impl TokenTransfer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     /// Cycles that tokens take which follow each other.
@@ -84,6 +85,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn tokens_that_fill_their_cycles_take_their_sum_over_the_rate(
             ticks in 1_u64..50, every in 1_u64..50, extra in prop::collection::vec(0_u64..90, 1..40),

@@ -603,6 +603,7 @@ mod tests {
     use super::*;
     use crate::golden::{leaf, pixel, reduce};
     use cube3_abc::golden::Shaded;
+    use cube3_cases::cases;
     use cube3_word::Rounding;
     use proptest::prelude::*;
 
@@ -651,7 +652,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..cases(2000) })]
 
         #[test]
         fn rays_of_a_slot_have_the_golden_bits((cone, words, samples, ranges) in case()) {

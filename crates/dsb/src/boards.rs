@@ -203,6 +203,7 @@ mod tests {
     use super::*;
     use crate::Rotator;
     use crate::golden::{rotation, walk};
+    use cube3_cases::cases;
     use cube3_frame::{Axes, PassShape, largest_offset, slope_register};
     use cube3_machine::TemplateRule;
     use proptest::prelude::*;
@@ -238,7 +239,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..cases(2000) })]
 
         #[test]
         fn the_closed_form_is_the_walk(

@@ -194,6 +194,7 @@ impl Archived for PlaneStore {
 mod tests {
     use super::*;
     use crate::golden::{module, ray_lane, rotation};
+    use cube3_cases::cases;
     use cube3_frame::{Axes, Geometry, largest_offset, slope_register};
     use cube3_machine::{RaySlots, TemplateRule};
     use proptest::prelude::*;
@@ -207,6 +208,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn a_word_is_in_its_module_in_a_beam_and_in_a_ray(lanes in 1_usize..40, slot in 0_usize..100, depth in 0_usize..100) {
             let module = module(lanes, slot, depth);

@@ -168,6 +168,7 @@ impl Archived for Links {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use cube3_machine::Boards;
     use proptest::prelude::*;
     use std::collections::VecDeque;
@@ -225,7 +226,7 @@ mod tests {
     type Word = usize;
 
     proptest! {
-        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..cases(256) })]
 
         /// Each link a list of words that leave one by one, oldest first.
         #[test]

@@ -201,9 +201,12 @@ impl Fan {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         /// Columns by the three rules, from places in exact fractions: the floor at the sample, the floor at the plane, the nearest there.
         #[test]
         fn a_column_is_the_floor_or_the_nearest(

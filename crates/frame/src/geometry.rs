@@ -333,6 +333,7 @@ impl Geometry {
 mod tests {
     use super::*;
     use crate::{largest_offset, slope_register};
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     pub(crate) fn geometry(size: [usize; 3], slopes: [f64; 2], rule: TemplateRule, slots: RaySlots) -> Geometry {
@@ -353,6 +354,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn slots_and_rays_agree(geometry in any_geometry()) {
             let [slots, planes] = geometry.slot_counts();

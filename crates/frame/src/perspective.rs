@@ -226,6 +226,7 @@ pub(crate) fn largest_offset(rule: TemplateRule, steepest: i64, weight_bits: u32
 pub(crate) mod tests {
     use super::*;
     use crate::DiscreteRay;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     fn eyes() -> impl Strategy<Value = [f64; 3]> {
@@ -261,7 +262,7 @@ pub(crate) mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(1500))]
+        #![proptest_config(cases(1500))]
 
         /// The sheared cell contains its sample, and the weight is its place in it: so an affine field comes out exact, to the
         /// rounding of the weight.

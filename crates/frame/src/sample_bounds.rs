@@ -184,10 +184,13 @@ impl RayStretches {
 mod tests {
     use super::*;
     use crate::{Axes, largest_offset, slope_register};
+    use cube3_cases::cases;
     use cube3_machine::TemplateRule;
     use proptest::prelude::*;
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn whole_rays_are_inside_where_each_sample_is(
             size in [1_usize..7, 1_usize..7, 1_usize..40], du in 0.0..=1.0_f64, dv in 0.0..=1.0_f64, part in 0_u32..3,

@@ -44,6 +44,7 @@ mod tests {
     use super::*;
     use crate::golden::exact_weight;
     use crate::largest_offset;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     fn in_unit(weight: i64, weight_bits: u32) -> bool {
@@ -51,6 +52,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn every_weight_of_the_sample_floor_is_in_the_unit_interval_up_to_the_papers_bound(
             slope in 0..=1_u32 << SLOPE_FRACTION_BITS, part in 0.0..=1.0_f64, weight_bits in 1_u32..=12, k in 0_usize..4096,

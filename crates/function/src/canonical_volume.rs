@@ -91,9 +91,12 @@ fn blocks(voxels: &[u16], start: i64, step: [i64; 3], size: [usize; 3], planes: 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn a_turned_volume_has_each_voxel_in_its_place(
             dims in [1_usize..70, 1_usize..6, 1_usize..40], order in Just([0_usize, 1, 2]).prop_shuffle(), reversed: [bool; 3],

@@ -177,10 +177,13 @@ fn inside(clips: &[HalfSpace], v: i64, k: usize, from: i64, to: i64) -> (i64, i6
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use cube3_frame::Linear;
     use proptest::prelude::*;
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn the_interval_of_a_clip_is_where_it_is_not_negative(
             planes in proptest::collection::vec((-9_i64..10, -9_i64..10, -9_i64..10, -90_i64..90), 0..4), v in -5_i64..5, k in 0_usize..5,

@@ -31,12 +31,15 @@ pub(crate) fn has_ends(scene: &Scene, machine: &MachineSpec) -> bool {
 #[cfg(test)]
 mod tests {
     use crate::golden::{end_tables, whole_step_opacity};
+    use cube3_cases::cases;
     use cube3_frame::EndRegisters;
     use cube3_scene::{Mode, corrected_opacity};
     use cube3_word::{Words, quantise_unit, unit_full};
     use proptest::prelude::*;
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         /// Parts that are composited one after another have the opacity of their length.
         #[test]
         fn tables_of_ends_are_those_of_their_lengths(alpha in 0.0..=1.0_f64, length in 0.5..40.0_f64, bits in 1_u32..=16) {

@@ -274,9 +274,12 @@ fn clear_below(transfer: &Transfer) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn values_below_clear_below_are_clear(
             mut points in prop::collection::vec((-4_i32..5, prop::bool::ANY), 1..6), value in -6.0..6.0_f64,

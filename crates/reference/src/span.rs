@@ -91,6 +91,7 @@ impl Drawn {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use cube3_scene::{Crop, Cut};
     use proptest::prelude::*;
 
@@ -115,6 +116,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         /// The middle of the stretch is drawn, and what lies beyond its ends is not.
         #[test]
         fn what_is_drawn_ends_where_a_stretch_does(

@@ -1,6 +1,6 @@
 //! Writes a made-up report, to look at: `cargo run -p cube3-report --example sample -- DIR`.
 
-#[path = "../tests/sample/mod.rs"]
+#[path = "../tests/all/sample/mod.rs"]
 mod sample;
 
 use std::error::Error;

@@ -89,7 +89,7 @@ pub enum ReportError {
     },
     /// The picture could not be encoded.
     #[error("the picture cannot be encoded: {0}")]
-    Png(#[from] image::ImageError),
+    Png(#[from] png::EncodingError),
     /// The report could not be written.
     #[error("the report cannot be written: {0}")]
     Io(#[from] std::io::Error),

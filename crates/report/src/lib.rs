@@ -36,6 +36,7 @@ mod shares;
 mod table;
 mod topology;
 
+pub use self::png::{png_rgb8, to_rgb8};
 pub use adapters::{axes_report, channel_reports, left_out, traffic_report, unit_reports, view_report};
 pub use digest::sha256_hex;
 pub use error::ReportError;
@@ -44,7 +45,6 @@ pub use json::{from_json, to_json, write_json};
 pub use opacity_report::{OpacityChange, OpacityReport};
 pub use parameter_list::{name_list, parameter_list};
 pub use pictures::Figure;
-pub use png::{png_rgb8, to_rgb8};
 pub use quantity::{count, number, percentage};
 pub use resources_report::{
     InterfaceReport, LimitWithout, LimitsReport, LinesReport, LinkReport, MemoryBits, MemoryTraffic, OperatorsReport,

@@ -1,8 +1,7 @@
 //! Pictures as 8-bit PNG files.
 
 use cube3_picture::Picture;
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use png::{BitDepth, ColorType, Compression, Encoder, Filter};
 
 use crate::ReportError;
 
@@ -29,7 +28,14 @@ pub fn png_rgb8(width: usize, height: usize, rgb: &[u8]) -> Result<Vec<u8>, Repo
     let columns = u32::try_from(width).map_err(|_| wrong_size())?;
     let rows = u32::try_from(height).map_err(|_| wrong_size())?;
     let mut file = Vec::new();
-    PngEncoder::new(&mut file).write_image(rgb, columns, rows, ExtendedColorType::Rgb8)?;
+    let mut encoder = Encoder::new(&mut file, columns, rows);
+    encoder.set_color(ColorType::Rgb);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Fast);
+    encoder.set_filter(Filter::Adaptive);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(rgb)?;
+    writer.finish()?;
     Ok(file)
 }
 

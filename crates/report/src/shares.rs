@@ -27,6 +27,7 @@ pub(crate) fn percent(thousandths: u32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     #[test]
@@ -41,6 +42,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn shares_add_up_and_are_within_a_thousandth(
             parts in proptest::collection::vec(any::<u64>(), 1..12)

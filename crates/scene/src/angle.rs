@@ -58,6 +58,7 @@ fn first_octant(angle_deg: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     #[test]
@@ -95,6 +96,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn agrees_with_radians(angle in -720.0..720.0) {
             let (s, c) = sin_cos_degrees(angle);

@@ -160,6 +160,7 @@ pub fn smallest_spacing(spacing: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     const DIMS: [usize; 3] = [33, 20, 57];
@@ -260,6 +261,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn point_ray_and_crossing_are_on_one_line(
             eye_voxel in prop::array::uniform3(-100.0..100.0_f64), yaw in -180.0..180.0_f64, tilt in -90.0..90.0_f64,

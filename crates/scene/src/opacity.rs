@@ -26,6 +26,7 @@ pub fn over(pixel: [f64; 4], background: [f64; 3]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     /// The largest opacity below 1.
@@ -91,6 +92,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn two_steps_are_one_step_of_both_lengths(
             alpha in 0.0..=1.0_f64, a in 0.01..3.0_f64, b in 0.01..3.0_f64,

@@ -159,6 +159,7 @@ impl Interpolation {
 mod tests {
     use super::*;
     use crate::Scene;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     fn yaw_keys(keys: &[[f64; 2]], interpolation: Interpolation) -> Path {
@@ -217,6 +218,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn smooth_paths_meet_their_keys_without_a_jump_of_speed_and_are_straight_where_keys_are(
             gaps in proptest::collection::vec((0.5..5.0_f64, -90.0..90.0_f64), 2..6), speed in -20.0..20.0_f64,

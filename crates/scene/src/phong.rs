@@ -44,6 +44,7 @@ fn reflected(material: &Material, light: &ResolvedLight, normal: DVec3) -> (f64,
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     const GREY: [f64; 3] = [0.5, 0.25, 1.0];
@@ -122,6 +123,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn two_sided_light_does_not_see_the_normals_sign(
             n in prop::array::uniform3(-1.0..1.0_f64), l in prop::array::uniform3(-1.0..1.0_f64),

@@ -159,6 +159,7 @@ fn not_empty(key: &str, len: usize) -> Checked {
 mod tests {
     use super::*;
     use crate::Scene;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     fn of(opacity: &[[f64; 2]]) -> Transfer {
@@ -238,6 +239,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn opacity_stays_in_range_and_meets_its_points(
             mut points in prop::collection::vec((-1e3..1e3_f64, 0.0..=1.0_f64), 1..8),

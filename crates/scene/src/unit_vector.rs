@@ -21,6 +21,7 @@ pub fn unit_vector(vector: DVec3) -> Option<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     #[test]
@@ -38,6 +39,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn has_unit_length_and_the_same_direction(
             v in prop::array::uniform3(-1.0_f64..1.0),

@@ -200,6 +200,7 @@ fn checked_unit(key: &str, vector: [f64; 3]) -> Result<DVec3, SceneError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     fn frame(yaw_deg: f64, tilt_deg: f64) -> ViewFrame {
@@ -296,6 +297,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn angles_give_orthonormal_axes(
             yaw_deg in -1e6..1e6_f64, tilt_deg in -180.0..180.0_f64, roll_deg in -360.0..360.0_f64,

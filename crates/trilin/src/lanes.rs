@@ -220,6 +220,7 @@ fn present(
 mod tests {
     use super::*;
     use crate::golden::{Weights, cell, lift};
+    use cube3_cases::cases;
     use cube3_word::Rounding;
     use proptest::prelude::*;
 
@@ -254,6 +255,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn rows_and_rays_equal_golden(
             voxel_bits in 1_u32..=16, fraction in 0_u32..=8, weight_bits in 0_u32..=12, truncate: bool,

@@ -172,6 +172,7 @@ impl LerpLanes {
 mod tests {
     use super::*;
     use crate::lerp;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     #[test]
@@ -210,6 +211,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn rows_are_lerped_as_single_words(
             operand_bits in 1_u32..=24, fraction_bits in 0_u32..=12, truncate: bool, part in 0.0..=1.0_f64,

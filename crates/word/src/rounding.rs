@@ -104,6 +104,7 @@ pub fn saturate(value: i64, bits: u32) -> (i32, bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     #[test]
@@ -146,6 +147,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn lerp_stays_between_its_ends_and_meets_them(
             near in -(1_i32 << 24)..1 << 24, far in -(1_i32 << 24)..1 << 24,

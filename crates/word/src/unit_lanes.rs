@@ -74,9 +74,12 @@ impl UnitResize {
 mod tests {
     use super::*;
     use crate::{unit_full, unit_mul, unit_resize};
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn products_of_lanes_are_those_of_single_words(bits in 1_u32..=32, a: u32, b: u32, truncate: bool, ends in 0..9_usize) {
             let rounding = if truncate { Rounding::Truncate } else { Rounding::Nearest };

@@ -303,6 +303,7 @@ mod tests {
     use super::*;
     use crate::scan;
     use bitvec::prelude::*;
+    use cube3_cases::cases;
     use cube3_frame::{BeamPlace, Schedule};
     use cube3_host::{VolumeInfo, frame_setup, picture_setup};
     use cube3_machine::{Cfb, Layout, MemoryModel, RaySlots, Rays};
@@ -353,6 +354,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn modules_that_nothing_tells_apart_are_one_and_the_others_read_their_voxels(
             lanes in 1_usize..7, dims in [1_usize..13, 1_usize..13, 1_usize..13], direction in [-1.0..1.0_f64, -1.0..1.0_f64, -1.0..1.0_f64],

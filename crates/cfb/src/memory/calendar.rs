@@ -264,10 +264,13 @@ impl Booked {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use cube3_machine::MemoryType;
     use proptest::prelude::*;
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn the_first_free_tick_is_that_of_a_list(
             near in [1..=Timing::NEAR, 1..=Timing::NEAR], grouped: bool,

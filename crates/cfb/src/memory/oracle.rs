@@ -3,6 +3,7 @@
 use super::tests::check_log;
 use super::*;
 use Command::{Activate, Precharge, Read, Refresh, Write};
+use cube3_cases::cases;
 use cube3_machine::{BankHash, BurstOrder, Command, Constraint, MemoryModel, Scope, Span};
 use proptest::prelude::*;
 
@@ -170,7 +171,7 @@ fn models() -> impl Strategy<Value = MemoryModel> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(cases(300))]
 
     /// The controller books the commands that the rules in words give, and serves each word at the same tick.
     #[test]
@@ -259,7 +260,7 @@ fn rows_are_open(log: &[(Command, usize, i64)]) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(cases(300))]
 
     /// A module that chooses keeps to the table, serves every word once, and in a window of one word goes in order.
     #[test]

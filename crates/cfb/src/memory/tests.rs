@@ -2,6 +2,7 @@
 
 use super::{MemoryCounters, Module, Timing};
 use Command::{Activate, Precharge, Read, Refresh, Write};
+use cube3_cases::cases;
 use cube3_machine::{BurstOrder, Command, Constraint, MemoryModel, MemoryType, Scope};
 use proptest::prelude::*;
 
@@ -395,7 +396,7 @@ pub(super) fn check_log(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(cases(400))]
 
     #[test]
     fn every_command_of_a_random_run_keeps_to_the_table(

@@ -205,9 +205,12 @@ fn digit_sum(row: u64, bits: u32) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use proptest::prelude::*;
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn the_sum_of_digits_is_its_definition(row: u64, shift in 0_u32..64, bits in prop_oneof![Just(1_u32), Just(2), Just(4)]) {
             let row = row >> shift;

@@ -102,10 +102,13 @@ impl Geometry {
 mod tests {
     use super::*;
     use crate::{Axes, largest_offset, slope_register};
+    use cube3_cases::cases;
     use cube3_machine::TemplateRule;
     use proptest::prelude::*;
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn the_columns_of_slots_are_those_of_their_rays(
             size in [1_usize..12, 1_usize..5, 1_usize..12], du in 0.0..=1.0_f64, padded: bool, width in 1_usize..14,

@@ -4,6 +4,7 @@
 use super::*;
 use crate::perspective::tests::any_pass;
 use crate::{Axes, largest_offset, slope_register};
+use cube3_cases::cases;
 use cube3_machine::{RaySlots, TemplateRule};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -44,6 +45,8 @@ fn slots_of_sections(shape: &FrameShape) -> Vec<Vec<usize>> {
 }
 
 proptest! {
+    #![proptest_config(cases(256))]
+
     #[test]
     fn beams_are_those_of_sections_planes_and_depths_and_a_step_leads_from_each_to_the_next(shape in any_shape()) {
         let schedule = Schedule::of_shape(shape);

@@ -243,6 +243,7 @@ fn lights(setup: &FrameSetup) -> u64 {
 mod tests {
     use super::super::wire::{Design, Order, Variant, Wire, uniform, widest};
     use super::*;
+    use cube3_cases::cases;
     use cube3_host::{VolumeInfo, frame_setup};
     use cube3_machine::{Abc, GradientMethod};
     use cube3_scene::{Scene, View};
@@ -301,7 +302,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..cases(256) })]
 
         #[test]
         fn a_longer_word_costs_more(

@@ -206,6 +206,7 @@ impl Design {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cube3_cases::cases;
     use cube3_machine::PARAMETERS;
     use cube3_parameter::{Legal, Value};
     use proptest::prelude::*;
@@ -247,6 +248,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
         fn any_walk_over_the_wires_stays_legal(
             steps in proptest::collection::vec((0_usize..10, 0.0..=1.0_f64), 0..40), uniform_bits in 1_u32..=32,

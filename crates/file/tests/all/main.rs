@@ -1,0 +1,3 @@
+//! Tests of `cube3-file` from outside, one module each.
+
+mod whole;

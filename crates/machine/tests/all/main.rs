@@ -1,0 +1,3 @@
+//! Tests of `cube3-machine` from outside, one module each.
+
+mod parameters;

@@ -1,0 +1,3 @@
+//! Tests of `cube3-method` from outside, one module each.
+
+mod table;

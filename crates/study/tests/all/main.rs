@@ -1,0 +1,3 @@
+//! Tests of `cube3-study` from outside, one module each.
+
+mod word_lengths;

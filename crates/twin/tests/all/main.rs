@@ -1,0 +1,13 @@
+//! Tests of `cube3-twin` from outside, one module each.
+
+mod agreement;
+mod basis;
+mod common;
+mod ct_head;
+mod extremes;
+mod gradients;
+mod interpolation;
+mod invariance;
+mod labels;
+mod lengths;
+mod modes;

@@ -1,0 +1,9 @@
+//! Tests of the command from outside, one module each.
+
+mod checked;
+mod cli;
+mod file_volumes;
+mod memory;
+mod report;
+mod sequence;
+mod stops;
