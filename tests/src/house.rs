@@ -9,8 +9,8 @@ use std::process::Command;
 /// The floors, from the ground up, each with its rooms. A room uses rooms of lower floors alone. Units stand on a stair, as each takes the
 /// tokens that the one before it gives.
 pub const FLOORS: &[(&str, &[&str])] = &[
-    ("ground", &["word", "channel", "volume", "picture", "parameter", "file", "waveform", "cases"]),
-    ("ground", &["metrics"]),
+    ("ground", &["word", "channel", "picture", "parameter", "file", "waveform", "cases"]),
+    ("ground", &["volume", "metrics"]),
     ("scene", &["scene"]),
     ("scene", &["rendering"]),
     ("machine", &["machine"]),

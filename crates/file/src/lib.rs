@@ -10,6 +10,9 @@ use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{Builder, NamedTempFile};
 
+/// Bytes that are put together before they are written.
+const BUFFER_BYTES: usize = 1 << 18;
+
 /// Writes a file, whole or not at all.
 ///
 /// # Errors
@@ -46,7 +49,10 @@ impl WholeFile {
         if let Some(permissions) = &permissions {
             beside.permissions(permissions.clone());
         }
-        Ok(WholeFile { path: path.to_owned(), part: BufWriter::new(beside.tempfile_in(folder)?) })
+        Ok(WholeFile {
+            path: path.to_owned(),
+            part: BufWriter::with_capacity(BUFFER_BYTES, beside.tempfile_in(folder)?),
+        })
     }
 
     /// Adds all of another file, which is not kept.

@@ -28,6 +28,7 @@
 //! is refused.
 
 use cube3_cfb::golden::{Placement, Skew};
+use cube3_file::write_whole;
 use cube3_frame::{FrameSetup, LinearFactor, Phong, Shading};
 use cube3_machine::{Cfb, ConeKind, Dsb, HostLink, MachineSpec, MemoryType, RaySlots};
 use cube3_word::Rounding;
@@ -109,11 +110,11 @@ impl RtlFrame {
     /// A folder or file that cannot be written.
     pub fn write(&self, folder: &Path) -> io::Result<()> {
         std::fs::create_dir_all(folder)?;
-        self.files.iter().try_for_each(|(name, text)| std::fs::write(folder.join(name), text))
+        self.files.iter().try_for_each(|(name, text)| write_whole(&folder.join(name), text.as_bytes()))
     }
 }
 
-/// The files of a frame: `machine` and `setup` as [`crate::machine::Machine::cycle`] takes them, with the voxel words, x fastest.
+/// The files of a frame: `machine` and `setup` as [`cube3_pipeline::Machine::cycle`] takes them, with the voxel words, x fastest.
 ///
 /// # Errors
 /// A machine, a frame or a volume that the pipeline is not made for.

@@ -6,12 +6,12 @@ mod metaimage;
 mod nifti1;
 mod nrrd;
 
-use std::io::{BufWriter, Write};
+use cube3_file::WholeFile;
+use std::io::Write;
 use std::path::Path;
 
 use flate2::Compression;
 use flate2::write::{GzEncoder, ZlibEncoder};
-use tempfile::{Builder, NamedTempFile};
 
 use crate::place::Place;
 use crate::samples::Stored;
@@ -148,33 +148,12 @@ pub fn write_raw(path: impl AsRef<Path>, volume: &Volume, endian: Endian) -> Res
     replace(path.as_ref(), |out| write_numbers(out, volume, endian))
 }
 
-/// Puts what `fill` writes at `path`, all or nothing.
+/// Fills a new file beside the old one, and puts it into its place once it is whole.
 fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<(), VolumeError> {
-    let place = Place::of_path(path);
-    let failed = |e| place.io("write", e);
-    let folder = match path.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
-    let file = beside(folder).map_err(failed)?;
-    let mut out = BufWriter::with_capacity(1 << 18, file);
-    fill(&mut out).map_err(failed)?;
-    let file = out.into_inner().map_err(|e| failed(e.into_error()))?;
-    file.as_file().sync_all().map_err(failed)?;
-    file.persist(path).map_err(|e| failed(e.error))?;
-    Ok(())
-}
-
-/// A new file in `folder`, gone again unless it is persisted, with the permissions of any new file.
-fn beside(folder: &Path) -> std::io::Result<NamedTempFile> {
-    let mut builder = Builder::new();
-    builder.prefix(".cube3-").suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder)
+    let failed = |e| Place::of_path(path).io("write", e);
+    let mut file = WholeFile::new(path).map_err(failed)?;
+    fill(&mut file).map_err(failed)?;
+    file.keep().map_err(failed)
 }
 
 /// Bytes and the numbers behind them, as one gzip stream.
