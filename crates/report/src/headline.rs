@@ -10,6 +10,9 @@ use crate::quantity::{number, percentage};
 /// Levels of a channel of an 8-bit display above black.
 const LEVELS: f64 = 255.0;
 
+/// Of a run with a clock that did not look for what limits it.
+const NO_SEARCH: &str = "not looked for";
+
 /// One measure of the error over the object.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Measure {
@@ -72,7 +75,8 @@ pub(crate) fn throughput(report: &RunReport) -> Vec<Fact> {
     };
     let rate = format!("{} in an animation, {} alone", number(timing.fps_sustained), number(timing.fps));
     let mut facts = vec![("Frames per second", rate)];
-    facts.extend(report.limits.iter().map(|limits| ("What limits", limits.sentence.clone())));
+    let sentence = report.limits.as_ref().map_or_else(|| NO_SEARCH.into(), |limits| limits.sentence.clone());
+    facts.push(("What limits", sentence));
     facts
 }
 
@@ -99,9 +103,11 @@ pub(crate) fn headline(report: &RunReport) -> Markup {
         }
         None => tiles.push(("Frames per second".into(), "not measured".into(), "no clock ran".into())),
     }
-    tiles.extend(
-        report.limits.iter().map(|limits| ("What limits".into(), limits.critical.clone(), limits.sentence.clone())),
-    );
+    match &report.limits {
+        Some(limits) => tiles.push(("What limits".into(), limits.critical.clone(), limits.sentence.clone())),
+        None if report.timing.is_some() => tiles.push(("What limits".into(), "not measured".into(), NO_SEARCH.into())),
+        None => {}
+    }
     html! {
         dl.tiles {
             @for (what, value, note) in &tiles {

@@ -4,6 +4,7 @@ mod checked;
 mod cli;
 mod file_volumes;
 mod memory;
+mod methods;
 mod report;
 mod sequence;
 mod stops;

@@ -344,5 +344,5 @@ fn a_perspective_view_is_refused_in_words() {
     scene.view.perspective = Some(cube3_scene::Perspective::new(30.0));
     let (machine, volume) = (MachineSpec::default(), load(&scene));
     let problem = SceneCase::new(&scene, &machine, &volume).err().unwrap().to_string();
-    assert!(problem.contains("parallel views"), "{problem}");
+    assert!(problem.contains("perspective"), "{problem}");
 }
