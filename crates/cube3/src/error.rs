@@ -1,5 +1,6 @@
 //! Why something cannot be done.
 
+use crate::memory::MemoryError;
 use cube3_host::HostError;
 use cube3_inputs::InputError;
 use cube3_machine::MachineError;
@@ -20,10 +21,10 @@ use std::path::{Path, PathBuf};
 pub enum Error {
     /// Scene, machine or volume cannot be had.
     #[error(transparent)]
-    Input(#[from] InputError),
+    Input(Box<InputError>),
     /// The machine cannot be set up for the scene.
     #[error(transparent)]
-    Host(#[from] HostError),
+    Host(Box<HostError>),
     /// The machine cannot be built, or cannot move: [`RunError::Deadlock`].
     #[error(transparent)]
     Run(#[from] RunError),
@@ -61,7 +62,7 @@ pub enum Error {
     },
     /// More memory than there is.
     #[error(transparent)]
-    Memory(#[from] crate::memory::MemoryError),
+    Memory(Box<MemoryError>),
     /// Threads that cannot be started.
     #[error("{0}; give fewer threads")]
     Threads(#[from] rayon::ThreadPoolBuildError),
@@ -123,14 +124,32 @@ impl From<RenderError> for Error {
     }
 }
 
+impl From<HostError> for Error {
+    fn from(error: HostError) -> Error {
+        Error::Host(Box::new(error))
+    }
+}
+
+impl From<InputError> for Error {
+    fn from(error: InputError) -> Error {
+        Error::Input(Box::new(error))
+    }
+}
+
 impl From<SceneError> for Error {
     fn from(error: SceneError) -> Error {
-        Error::Input(error.into())
+        InputError::from(error).into()
     }
 }
 
 impl From<MachineError> for Error {
     fn from(error: MachineError) -> Error {
-        Error::Input(error.into())
+        InputError::from(error).into()
+    }
+}
+
+impl From<MemoryError> for Error {
+    fn from(error: MemoryError) -> Error {
+        Error::Memory(Box::new(error))
     }
 }

@@ -84,7 +84,7 @@ pub(crate) fn measure(
     let factor = suggested_factor(comparison.whole.max);
     pictures.difference = Some(difference(image, &picture, f64::from(factor))?);
     pictures.reference = Some(picture);
-    let mut error = ErrorReport::new(&reference.to_string(), &comparison, f64::from(factor));
+    let mut error = ErrorReport::new(reference.to_string(), &comparison, f64::from(factor));
     error.gradient_mean_deg = gradient_error::mean_angle_deg(&frames.setups, &volume.words);
     Ok(error)
 }

@@ -10,10 +10,10 @@ use std::path::PathBuf;
 pub enum InputError {
     /// A scene file.
     #[error(transparent)]
-    Scene(#[from] SceneError),
+    Scene(Box<SceneError>),
     /// What is in a machine file.
     #[error(transparent)]
-    Machine(#[from] MachineError),
+    Machine(Box<MachineError>),
     /// A machine file that cannot be read, and no preset of that name.
     #[error("{name}: {error}; give a machine file, or one of {}", presets())]
     MachineFile {
@@ -24,7 +24,7 @@ pub enum InputError {
     },
     /// A volume file, or a phantom.
     #[error(transparent)]
-    Volume(#[from] VolumeError),
+    Volume(Box<VolumeError>),
     /// Several volumes where one is asked for.
     #[error("{} is the first of a series of {count} volumes; give --frames N too, or a single volume", first.display())]
     Series {
@@ -48,7 +48,7 @@ pub enum InputError {
         /// The volume.
         volume: String,
         /// Why not.
-        error: VolumeError,
+        error: Box<VolumeError>,
     },
     /// A label that has no word in those of the first volume of a series.
     #[error(
@@ -79,23 +79,46 @@ pub enum InputError {
         value: f64,
     },
     /// Volumes of a series on two grids.
-    #[error(
-        "{volume} has {dims:?} voxels of {spacing:?}, and {first} has {first_dims:?} of {first_spacing:?}: the volumes of a series need one grid"
-    )]
-    Grids {
-        /// The volume.
-        volume: String,
-        /// Its voxels along x, y, z.
-        dims: [usize; 3],
-        /// Its voxels' sides.
-        spacing: [f64; 3],
-        /// The first volume.
-        first: String,
-        /// Its voxels along x, y, z.
-        first_dims: [usize; 3],
-        /// Its voxels' sides.
-        first_spacing: [f64; 3],
-    },
+    #[error(transparent)]
+    Grids(Box<TwoGrids>),
+}
+
+impl From<SceneError> for InputError {
+    fn from(error: SceneError) -> InputError {
+        InputError::Scene(Box::new(error))
+    }
+}
+
+impl From<MachineError> for InputError {
+    fn from(error: MachineError) -> InputError {
+        InputError::Machine(Box::new(error))
+    }
+}
+
+impl From<VolumeError> for InputError {
+    fn from(error: VolumeError) -> InputError {
+        InputError::Volume(Box::new(error))
+    }
+}
+
+/// Volumes of a series on two grids.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "{volume} has {dims:?} voxels of {spacing:?}, and {first} has {first_dims:?} of {first_spacing:?}: the volumes of a series need one grid"
+)]
+pub struct TwoGrids {
+    /// The volume.
+    pub volume: String,
+    /// Its voxels along x, y, z.
+    pub dims: [usize; 3],
+    /// Its voxels' sides.
+    pub spacing: [f64; 3],
+    /// The first volume.
+    pub first: String,
+    /// Its voxels along x, y, z.
+    pub first_dims: [usize; 3],
+    /// Its voxels' sides.
+    pub first_spacing: [f64; 3],
 }
 
 fn presets() -> String {

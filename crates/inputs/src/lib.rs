@@ -13,7 +13,7 @@ mod notes;
 mod series;
 mod volume;
 
-pub use error::InputError;
+pub use error::{InputError, TwoGrids};
 pub use files::{machine, scene};
 pub use series::{KEPT_VOLUMES, Series};
 pub use volume::{Incoming, LoadedVolume, labels_to_words, load_volume, read_options, read_volume, to_words};

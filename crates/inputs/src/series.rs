@@ -1,6 +1,8 @@
 //! The volumes of a sequence.
 
-use crate::{Incoming, InputError, LoadedVolume, labels_to_words, notes, read_options, read_volume, to_words};
+use crate::{
+    Incoming, InputError, LoadedVolume, TwoGrids, labels_to_words, notes, read_options, read_volume, to_words,
+};
 use cube3_machine::MachineSpec;
 use cube3_scene::{Scene, VolumeSource};
 use cube3_volume::{Phantom, ReadOptions};
@@ -129,14 +131,14 @@ impl Series {
         // Headers keep spacing as decimals or in single precision: the last digits may differ.
         let one = |a: f64, b: f64| (a - b).abs() <= SAME_SPACING * b;
         if here.dims != first.dims || !here.spacing.iter().zip(first.spacing).all(|(a, b)| one(*a, b)) {
-            return Err(InputError::Grids {
+            return Err(InputError::Grids(Box::new(TwoGrids {
                 first: self.first.source.clone(),
                 first_dims: first.dims,
                 first_spacing: first.spacing,
                 dims: here.dims,
                 spacing: here.spacing,
                 volume: volume.source,
-            });
+            })));
         }
         self.made_s += volume.made_s.unwrap_or(0.0);
         (volume.words.spacing, volume.data.spacing) = (first.spacing, first.spacing);

@@ -150,7 +150,9 @@ pub fn labels_to_words(
     mask: bool,
 ) -> Result<LoadedVolume, InputError> {
     let bits = machine.words.voxel_bits;
-    let largest = data.largest_label(bits).map_err(|error| InputError::Labels { volume: source.clone(), error })?;
+    let largest = data
+        .largest_label(bits)
+        .map_err(|error| InputError::Labels { volume: source.clone(), error: Box::new(error) })?;
     let window = window.or(WordConversion::labels(largest, bits, machine.words.table_bits).window);
     if let Some([_, high]) = window.filter(|[_, high]| largest > *high) {
         return Err(InputError::LabelsBeyond { volume: source, largest, most: high.floor(), bits });

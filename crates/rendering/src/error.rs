@@ -41,13 +41,19 @@ pub enum MethodError {
     },
     /// The scene.
     #[error(transparent)]
-    Scene(#[from] SceneError),
+    Scene(Box<SceneError>),
     /// The picture.
     #[error(transparent)]
     Picture(#[from] PictureError),
     /// What the method itself refuses.
     #[error("{0}")]
     Refused(Box<dyn Error + Send + Sync>),
+}
+
+impl From<SceneError> for MethodError {
+    fn from(error: SceneError) -> MethodError {
+        MethodError::Scene(Box::new(error))
+    }
 }
 
 impl MethodError {

@@ -18,7 +18,7 @@ pub enum StudyError {
     Method(#[from] MethodError),
     /// The reference made no picture.
     #[error(transparent)]
-    Render(#[from] RenderError),
+    Render(Box<RenderError>),
     /// The volume cannot be turned into words.
     #[error(transparent)]
     Volume(#[from] VolumeError),
@@ -46,6 +46,12 @@ pub enum StudyError {
     /// A design that was not measured, or has no reference: a fault of this crate.
     #[error("a design was not measured")]
     NotMeasured,
+}
+
+impl From<RenderError> for StudyError {
+    fn from(error: RenderError) -> StudyError {
+        StudyError::Render(Box::new(error))
+    }
 }
 
 /// Something, or why it cannot be had.

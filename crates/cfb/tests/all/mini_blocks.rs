@@ -479,7 +479,8 @@ fn a_frame_from_every_direction_takes_its_bursts_its_refreshes_and_the_rows_that
     for direction in directions() {
         let scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
         let setup = frame_setup(&scene, &machine, &volume, true).unwrap().setup;
-        let setups = vec![Arc::new(setup); 3];
+        let setup = Arc::new(setup);
+        let setups = vec![Arc::clone(&setup), Arc::clone(&setup), setup];
         let stays = naive_stays(&setups[..2], &naive_beams(&machine, &setups[..2]));
         let (mut bursts, mut met, mut last) = (0, 0, None);
         for (i, mini) in stays.iter().flat_map(|stay| stay.minis.iter().map(move |mini| (stay.frame, mini))) {
@@ -520,7 +521,8 @@ fn the_steady_capacity_is_what_a_reader_of_one_rate_needs_and_no_more() {
         let setup = frame_setup(&scene, &machine, &volume, true).unwrap().setup;
         let need = ReorderNeed::new(&machine, &setup.geometry);
         machine.cfb.memory_clock_hz = Some((125e6 * (1.0002 * need.words as f64 / (n * n * n) as f64)).ceil());
-        let setups = vec![Arc::new(setup); 3];
+        let setup = Arc::new(setup);
+        let setups = vec![Arc::clone(&setup), Arc::clone(&setup), setup];
         let frame = |words: u64| {
             let mut machine = machine.clone();
             machine.cfb.reorder_words = Some(words);

@@ -1,6 +1,6 @@
 //! What words cost, in bits: cells of logic, and bits of tables and buffers.
 //!
-//! The operators are those of [`crate::resources`], one for one, here with the width that each has for given words. A multiplier
+//! The operators are those of [`cube3_resources`], one for one, here with the width that each has for given words. A multiplier
 //! of a by b bits is a·b cells (an adder cell for each pair of bits); an adder, subtracter or comparator of w bits is w cells; a
 //! divider is a cell for each bit of divisor and quotient. Pipeline registers, multiplexers and control are not counted.
 
@@ -34,7 +34,7 @@ impl Cost {
 /// Operators of one part, with the cells of all of them.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct PartCost {
-    /// The part, named as in [`crate::resources`].
+    /// The part, named as in [`cube3_resources`].
     pub part: &'static str,
     /// How many there are.
     pub count: u64,
