@@ -10,6 +10,7 @@ use cube3_frame::Schedule;
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::{Cfb, Layout, LookAheadUnit, MachineSpec, MemoryType};
 use cube3_scene::{Scene, View};
+use std::sync::Arc;
 
 const YAWS: [f64; 5] = [0.0, 30.0, 45.0, 60.0, 90.0];
 const TILTS: [f64; 4] = [0.0, 20.0, 45.0, 80.0];
@@ -37,7 +38,8 @@ fn rate(
         let ReorderNeed { least, steady, .. } = ReorderNeed::new(&machine, &setup.geometry);
         machine.cfb.reorder_words = Some(least + (part * (steady - least) as f64) as u64);
     }
-    let setups = vec![setup; 2];
+    let setup = Arc::new(setup);
+    let setups = [Arc::clone(&setup), setup];
     let specs: Vec<CfbSpec> = setups
         .iter()
         .map(|setup| CfbSpec::new(&machine, &setup.geometry, Schedule::new(&machine, &setup.geometry)))

@@ -12,8 +12,8 @@ use cube3_channel::{Account, Activity, Archive, ArchiveError, Archived, Channel,
 use cube3_frame::{BeamPlace, FrameSetup, Geometry, Schedule};
 use cube3_machine::{Layout, MachineSpec};
 use serde::{Deserialize, Serialize};
-use std::borrow::Borrow;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A beam on its way: the row of voxels that plane `plane` of ray slots has at depth `depth`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -331,7 +331,7 @@ impl<F: Fetch> CfbUnit<F> {
     #[inline(always)]
     pub fn tick(
         &mut self,
-        frames: &[impl Borrow<FrameSetup>],
+        frames: &[Arc<FrameSetup>],
         released: u32,
         beams: &mut Channel<Beam<F::Output>>,
     ) -> Activity {
@@ -345,12 +345,7 @@ impl<F: Fetch> CfbUnit<F> {
 
     /// A cycle of the modules.
     #[inline(always)]
-    fn read(
-        &mut self,
-        frames: &[impl Borrow<FrameSetup>],
-        released: u32,
-        beams: &mut Channel<Beam<F::Output>>,
-    ) -> Activity {
+    fn read(&mut self, frames: &[Arc<FrameSetup>], released: u32, beams: &mut Channel<Beam<F::Output>>) -> Activity {
         if let (Some(modules), Some(state)) = (&self.modules, &mut self.state.modules) {
             modules.ask(state, frames, &self.specs, released);
         }
@@ -365,7 +360,7 @@ impl<F: Fetch> CfbUnit<F> {
     /// is taken from reads, the modules' own time stands still.
     fn read_and_write(
         &mut self,
-        frames: &[impl Borrow<FrameSetup>],
+        frames: &[Arc<FrameSetup>],
         released: u32,
         beams: &mut Channel<Beam<F::Output>>,
     ) -> Activity {
@@ -388,30 +383,25 @@ impl<F: Fetch> CfbUnit<F> {
     }
 
     /// Whether the modules are read in this cycle if nothing else takes it.
-    fn reads(&self, frames: &[impl Borrow<FrameSetup>], released: u32, beams: &Channel<Beam<F::Output>>) -> bool {
+    fn reads(&self, frames: &[Arc<FrameSetup>], released: u32, beams: &Channel<Beam<F::Output>>) -> bool {
         let Scan { frame, spent, .. } = self.state.scan;
         if self.done() || frame >= released {
             return false;
         }
         let spec = &self.specs[frame as usize];
-        let fetching = spec.fetching(&frames[frame as usize].borrow().geometry, &self.state.scan);
+        let fetching = spec.fetching(&frames[frame as usize].geometry, &self.state.scan);
         let last = spent + 1 >= fetching.cycles;
         fetching.row.is_some() && (!last || beams.can_push())
     }
 
     #[inline(always)]
-    fn step(
-        &mut self,
-        frames: &[impl Borrow<FrameSetup>],
-        released: u32,
-        beams: &mut Channel<Beam<F::Output>>,
-    ) -> Activity {
+    fn step(&mut self, frames: &[Arc<FrameSetup>], released: u32, beams: &mut Channel<Beam<F::Output>>) -> Activity {
         if self.done() || self.state.scan.frame >= released {
             return Activity::Starved;
         }
         let CfbUnit { specs, memory, modules, port, state, .. } = self;
         let Scan { frame, place: BeamPlace { section, plane, depth }, spent } = state.scan;
-        let (setup, spec) = (frames[frame as usize].borrow(), &specs[frame as usize]);
+        let (setup, spec) = (&*frames[frame as usize], &specs[frame as usize]);
         let Fetching { row, voxels, cycles, work } = spec.fetching(&setup.geometry, &state.scan);
         let last = spent + 1 >= cycles;
         if last && !beams.can_push() {

@@ -7,6 +7,7 @@ use cube3_frame::Schedule;
 use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::MachineSpec;
 use cube3_scene::{Scene, View};
+use std::sync::Arc;
 
 /// The axes, and a direction that has them.
 pub const VIEWS: [(&str, [f64; 3]); 6] = [
@@ -25,7 +26,7 @@ pub const VIEWS: [(&str, [f64; 3]); 6] = [
 pub fn run(machine: &MachineSpec, direction: [f64; 3]) -> Result<(u64, MemoryCounters), Box<dyn std::error::Error>> {
     let scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
     let volume = VolumeInfo { dims: [machine.lanes; 3], spacing: [1.0; 3], window: [0.0, 255.0] };
-    let setups = [frame_setup(&scene, machine, &volume, true)?.setup];
+    let setups = [Arc::new(frame_setup(&scene, machine, &volume, true)?.setup)];
     let spec = CfbSpec::new(machine, &setups[0].geometry, Schedule::new(machine, &setups[0].geometry));
     let mut cfb = CfbUnit::new(vec![spec], NoVoxels).with_modules(Supply::new(machine, &setups)?);
     let mut beams = Channel::<Beam<()>>::new("beams", 4, 2)?;

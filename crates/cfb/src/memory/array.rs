@@ -8,9 +8,9 @@ use cube3_channel::{Activity, ClockDomain};
 use cube3_frame::{FrameSetup, Geometry};
 use cube3_machine::{ControllerKind, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryModel, MemoryType};
 use serde::{Deserialize, Serialize};
-use std::borrow::Borrow;
 use std::collections::VecDeque;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The memory modules of a frame buffer: timing and addresses.
 ///
@@ -110,17 +110,11 @@ impl Modules {
 
     /// Asks for words ahead of the scan, in frames before `released`.
     #[inline]
-    pub(crate) fn ask(
-        &self,
-        state: &mut MemoryState,
-        frames: &[impl Borrow<FrameSetup>],
-        specs: &[CfbSpec],
-        released: u32,
-    ) {
+    pub(crate) fn ask(&self, state: &mut MemoryState, frames: &[Arc<FrameSetup>], specs: &[CfbSpec], released: u32) {
         let last = released.min(specs.len() as u32);
         while self.room(state) && state.ahead.frame < last {
             let Scan { frame, place, spent } = state.ahead;
-            let geometry = &frames[frame as usize].borrow().geometry;
+            let geometry = &frames[frame as usize].geometry;
             let spec = &specs[frame as usize];
             let piece = Piece::at(place, geometry, &spec.schedule);
             let cycles = spec.piece_cycles(piece.as_ref());
@@ -405,7 +399,7 @@ mod tests {
             let machine = MachineSpec { lanes, cfb, rays, ..MachineSpec::default() };
             let scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
             let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };
-            let frames = vec![frame_setup(&scene, &machine, &volume, true).unwrap().setup];
+            let frames = vec![Arc::new(frame_setup(&scene, &machine, &volume, true).unwrap().setup)];
             let geometry = &frames[0].geometry;
             let specs = vec![CfbSpec::new(&machine, geometry, Schedule::new(&machine, geometry))];
             let modules = Modules::new(&machine, dims).unwrap();

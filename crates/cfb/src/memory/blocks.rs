@@ -22,6 +22,7 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Borrow;
 use std::collections::VecDeque;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A reorder buffer that is too small.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -206,13 +207,7 @@ impl BlockModules {
 
     /// Has each module ask for bursts as far ahead as it may, in frames before `released`.
     #[inline]
-    pub(crate) fn ask(
-        &self,
-        state: &mut BlockState,
-        frames: &[impl Borrow<FrameSetup>],
-        specs: &[CfbSpec],
-        released: u32,
-    ) {
+    pub(crate) fn ask(&self, state: &mut BlockState, frames: &[Arc<FrameSetup>], specs: &[CfbSpec], released: u32) {
         let released = released.min(frames.len() as u32);
         if state.held.is_some_and(|held| held != released) {
             state.wake_all();
@@ -234,7 +229,7 @@ impl BlockModules {
         &self,
         state: &mut BlockState,
         module: usize,
-        frames: &[impl Borrow<FrameSetup>],
+        frames: &[Arc<FrameSetup>],
         specs: &[CfbSpec],
         released: u32,
     ) -> i64 {
@@ -251,7 +246,7 @@ impl BlockModules {
                 return i64::MAX;
             };
             let frame = state.rows[place].frame as usize;
-            self.read(state, module, place, mini, &frames[frame].borrow().geometry);
+            self.read(state, module, place, mini, &frames[frame].geometry);
         }
     }
 
@@ -280,7 +275,7 @@ impl BlockModules {
         &self,
         state: &mut BlockState,
         module: usize,
-        frames: &[impl Borrow<FrameSetup>],
+        frames: &[Arc<FrameSetup>],
         specs: &[CfbSpec],
         released: u32,
     ) -> Option<(usize, usize)> {
@@ -292,7 +287,7 @@ impl BlockModules {
             let place = state.line[number] as usize;
             let row = &mut state.rows[place];
             let reader = &mut state.readers[module];
-            let geometry = &frames[row.frame as usize].borrow().geometry;
+            let geometry = &frames[row.frame as usize].geometry;
             let mini = match reader.mini {
                 Some(mini) => Some(mini as usize),
                 None => {
@@ -319,16 +314,10 @@ impl BlockModules {
     }
 
     /// Puts the next row, or part of one, that some beam uses first into the line, where there is one and the buffer has room for it.
-    fn admit(
-        &self,
-        state: &mut BlockState,
-        frames: &[impl Borrow<FrameSetup>],
-        specs: &[CfbSpec],
-        released: u32,
-    ) -> bool {
+    fn admit(&self, state: &mut BlockState, frames: &[Arc<FrameSetup>], specs: &[CfbSpec], released: u32) -> bool {
         while state.ahead.frame < released {
             let frame = state.ahead.frame as usize;
-            let (geometry, schedule) = (&frames[frame].borrow().geometry, &specs[frame].schedule);
+            let (geometry, schedule) = (&frames[frame].geometry, &specs[frame].schedule);
             let at = At { geometry, schedule, place: state.ahead.place };
             // In order: the rows of mini-blocks, and of each up to two parts.
             let begun = state.ahead.spent as usize;

@@ -8,6 +8,7 @@ use cube3_frame::{FrameSetup, Geometry};
 use cube3_machine::{Layout, MachineSpec};
 use serde::{Deserialize, Serialize};
 use std::borrow::Borrow;
+use std::sync::Arc;
 
 /// Memory modules that do not give any word in any cycle, and how they are read.
 #[derive(Clone, Debug)]
@@ -49,13 +50,7 @@ impl Supply {
 
     /// Has the modules ask for words ahead of the scan, in frames before `released`.
     #[inline(never)]
-    pub(crate) fn ask(
-        &self,
-        state: &mut SupplyState,
-        frames: &[impl Borrow<FrameSetup>],
-        specs: &[CfbSpec],
-        released: u32,
-    ) {
+    pub(crate) fn ask(&self, state: &mut SupplyState, frames: &[Arc<FrameSetup>], specs: &[CfbSpec], released: u32) {
         match (self, state) {
             (Supply::Beams(modules), SupplyState::Beams(state)) => modules.ask(state, frames, specs, released),
             (Supply::Blocks(modules), SupplyState::Blocks(state)) => modules.ask(state, frames, specs, released),

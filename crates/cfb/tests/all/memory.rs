@@ -9,6 +9,7 @@ use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::{BankHash, Cfb, ControllerKind, Layout, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryType};
 use cube3_scene::{Scene, View};
 use proptest::prelude::*;
+use std::sync::Arc;
 
 /// Views whose beams run along x, y, z.
 const ALONG: [[f64; 3]; 3] = [[0.3, 0.1, 1.0], [0.1, 0.3, 1.0], [0.1, 1.0, 0.3]];
@@ -32,7 +33,8 @@ fn run(machine: &MachineSpec, setup: FrameSetup, frames: usize) -> (u64, Account
     let specs = vec![CfbSpec::new(machine, &setup.geometry, Schedule::new(machine, &setup.geometry)); frames];
     let modules = Supply::new(machine, std::slice::from_ref(&setup)).unwrap();
     let mut cfb = CfbUnit::new(specs, NoVoxels).with_modules(modules);
-    let setups = vec![setup; frames];
+    let setup = Arc::new(setup);
+    let setups: Vec<Arc<FrameSetup>> = (0..frames).map(|_| Arc::clone(&setup)).collect();
     let mut beams = Channel::<Beam<()>>::new("beams", 4, 2).unwrap();
     let mut cycles = 0;
     while !cfb.done() {

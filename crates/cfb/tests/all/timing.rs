@@ -37,12 +37,13 @@ struct Run {
 fn run(machine: &MachineSpec, setup: &FrameSetup, capacity: usize, drained: impl Fn(u64) -> bool) -> Run {
     let mut unit =
         CfbUnit::new(vec![CfbSpec::new(machine, &setup.geometry, Schedule::new(machine, &setup.geometry))], NoVoxels);
+    let setups = [Arc::new(setup.clone())];
     let mut beams = Channel::<Beam<()>>::new("beams", capacity, 1).unwrap();
     let (mut sent, mut cycle) = (Vec::new(), 0);
     let mut order = Vec::new();
     while !(unit.done() && beams.occupancy() == 0) {
         let before = beams.counters().pushes;
-        unit.tick(std::slice::from_ref(setup), 1, &mut beams);
+        unit.tick(&setups, 1, &mut beams);
         if beams.counters().pushes > before {
             sent.push((cycle, false));
         }

@@ -12,6 +12,7 @@ use cube3_host::{VolumeInfo, frame_setup};
 use cube3_machine::{Cfb, Dsb, MachineSpec, RaySlots, Rays, TemplateRule};
 use cube3_scene::{Scene, View};
 use proptest::prelude::*;
+use std::sync::Arc;
 
 /// The voxels of a slot straight from the geometry; the plane after the last is the first where slots are shared.
 fn expected(setup: &FrameSetup, lanes: usize, plane: usize, slot: usize, voxels: &[u16], dims: [usize; 3]) -> Vec<u16> {
@@ -46,7 +47,7 @@ proptest! {
         let machine = MachineSpec { lanes, rays, cfb: Cfb { skew, ..Cfb::default() }, dsb: Dsb { planes, ..Dsb::default() }, ..MachineSpec::default() };
         let scene = Scene { view: View::from_direction(direction, None), ..Scene::default() };
         let volume = VolumeInfo { dims, spacing: [1.0; 3], window: [0.0, 255.0] };
-        let setup = frame_setup(&scene, &machine, &volume, true).unwrap().setup;
+        let setup = Arc::new(frame_setup(&scene, &machine, &volume, true).unwrap().setup);
         let geometry = &setup.geometry;
         let voxels: Vec<u16> = (1..=dims.iter().product::<usize>() as u16).collect();
         let memory = FrameBuffer::new(Skew { coefficients: skew, lanes }, dims, &voxels).unwrap();
