@@ -42,7 +42,7 @@ impl MethodsArguments {
 /// What each can show: a row for each feature, a column for each method.
 fn features() -> Table {
     let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(presets::NOTHING);
     table.set_header(std::iter::once("shows").chain(METHODS.iter().map(|method| method.about.name)));
     for feature in Feature::ALL {
         let mark = |method: &&Method| {
