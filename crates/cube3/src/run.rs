@@ -1,7 +1,7 @@
 //! One frame on the machine: picture, throughput, stalls, error.
 
 use crate::clocked::Stops;
-use crate::machine_run::{MachineRun, run_machine};
+use crate::machine_run::run_machine;
 use crate::notes::Findings;
 use crate::pictures::{Pictures, measure, show};
 use crate::reporting::{Asked, Found};
@@ -108,6 +108,5 @@ pub fn run_frame(
     notes.extend(run.told);
     notes.extend(findings.notes(run.bases.as_deref(), samples));
     notes.extend(ray_spacing::notes(volume.dims(), volume.words.spacing));
-    let MachineRun { counters, .. } = MachineRun { told: Vec::new(), ..run };
-    Ok(RunResult { report, pictures, notes, counters })
+    Ok(RunResult { report, pictures, notes, counters: run.counters })
 }
