@@ -72,6 +72,9 @@ pub fn run_sequence(
     let set_up =
         |frame: usize| Ok::<PictureFrames, Error>(picture_setup(&views[frame], machine, &first.info(), options.plan)?);
     check_perspective(scene, machine, moves, options.runs)?;
+    if let Some(reference) = &options.reference {
+        views.iter().try_for_each(|view| reference.method.check(view))?;
+    }
     let mut run = MachineRun::default();
     // Frames of the machine behind each picture: a picture of an eye has several.
     let mut passes = Vec::with_capacity(frames);
@@ -104,9 +107,6 @@ pub fn run_sequence(
     let (mut first_frame, mut end) = (None, 0);
     for (index, view) in views.iter().enumerate() {
         let frame = set_up(index)?;
-        if let Some(reference) = &options.reference {
-            reference.method.check(view)?;
-        }
         samples += frame.setups.iter().map(|setup| setup.geometry.sample_count()).sum::<u64>();
         let whole = match options.runs {
             Runs::Function => series.count().map_or(index as u64, |count| (index as u64).min(count - 1)),
