@@ -19,11 +19,20 @@ pub struct NonFinite {
     pub value: f64,
 }
 
+/// What helps where the operating system could not do something with a file.
+fn remedy_of_io(action: &str) -> &'static str {
+    match action {
+        "open" => "give the path of a file that is there and may be read",
+        "write" => "give a path in a folder that is there and may be written to, with room for the file",
+        _ => "look whether the file is whole and its drive still answers",
+    }
+}
+
 /// Every failure of this crate. The message names the place, the reason and what would be right.
 #[derive(Debug, Error)]
 pub enum VolumeError {
     /// The operating system could not open, read or write a file.
-    #[error("{file}: cannot {action}: {source}")]
+    #[error("{file}: cannot {action}: {source}; {}", remedy_of_io(action))]
     Io {
         /// The file, as given.
         file: String,

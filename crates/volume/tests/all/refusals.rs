@@ -298,12 +298,12 @@ fn raw_files_must_be_described_and_of_that_length() {
 fn files_that_are_not_there_or_not_volumes() {
     let folder = tempfile::tempdir().unwrap();
     let options = ReadOptions::default();
-    assert_says(read(folder.path().join("no.nrrd"), &options), &["no.nrrd", "cannot open"]);
-    assert_says(read(folder.path(), &options), &["not a file"]);
+    assert_says(read(folder.path().join("no.nrrd"), &options), &["no.nrrd", "cannot open", "give the path"]);
+    assert_says(read(folder.path(), &options), &["not a file", "give the path"]);
     let path = folder.path().join("letter.txt");
     std::fs::write(&path, "Dear reader").unwrap();
     assert_says(read(&path, &options), &["letter.txt", "unknown volume format", ".nii"]);
     let path = folder.path().join("alone.nhdr");
     std::fs::write(&path, nrrd_with(&[("data file", "gone.raw")])).unwrap();
-    assert_says(read(&path, &options), &["gone.raw", "cannot open"]);
+    assert_says(read(&path, &options), &["gone.raw", "cannot open", "give the path"]);
 }
