@@ -14,6 +14,7 @@
 //! that are really there, no memory is taken beyond [`ReadOptions::memory_limit_bytes`], and no
 //! bytes whatever make a reader panic.
 
+mod blocks;
 mod error;
 mod files;
 mod format;

@@ -8,7 +8,7 @@ use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
 use crate::VolumeError;
 use crate::place::{Place, open};
-use crate::samples::Stored;
+use crate::samples::swap_bytes;
 use crate::source::{GZIP_MAGIC, Left, Source, read_full};
 use crate::stream::{Encoding, Layout, Skip};
 use crate::text::{HexBytes, Numbers, clip};
@@ -123,39 +123,40 @@ impl<'a> Parts<'a> {
         Ok(())
     }
 
-    /// Fills `numbers`, in this machine's byte order.
-    pub fn fill<T: Stored>(&mut self, numbers: &mut [T]) -> Result<(), VolumeError> {
+    /// Fills `bytes` with numbers of the stored type, in this machine's byte order.
+    pub fn fill(&mut self, bytes: &mut [u8]) -> Result<(), VolumeError> {
+        let size = self.layout.stored.bytes();
         let mut filled = 0;
-        while filled < numbers.len() {
+        while filled < bytes.len() {
             if self.left == 0 {
                 self.open_next()?;
             }
-            let some = ((numbers.len() - filled) as u64).min(self.left) as usize;
-            let out = &mut numbers[filled..filled + some];
+            let some = (((bytes.len() - filled) / size) as u64).min(self.left) as usize;
+            let out = &mut bytes[filled..filled + some * size];
             match self.stream.as_mut() {
                 Some(Stream::Text(text)) => {
-                    for (i, number) in out.iter_mut().enumerate() {
+                    for (i, number) in out.chunks_exact_mut(size).enumerate() {
                         let Some(word) = text.next().map_err(|e| self.place.io("read", e))? else {
                             return Err(self.short(i as u64));
                         };
-                        *number = word.parse().map_err(|_| {
+                        self.layout.stored.parse(word, number).ok_or_else(|| {
                             let word = clip(word);
                             self.layout.does_not_fit(&word, self.all + i as u64, &self.place)
                         })?;
                     }
                 }
                 Some(Stream::Plain(stream)) => {
-                    let got = read_full(stream, bytemuck::cast_slice_mut(out));
+                    let got = read_full(stream, out);
                     self.given_bytes(got, out)?;
                 }
                 Some(Stream::Packed(stream)) => {
-                    let got = read_full(stream, bytemuck::cast_slice_mut(out));
+                    let got = read_full(stream, out);
                     self.given_bytes(got, out)?;
                 }
                 None => {}
             }
             self.count(some as u64);
-            filled += some;
+            filled += out.len();
         }
         Ok(())
     }
@@ -187,15 +188,13 @@ impl<'a> Parts<'a> {
     }
 
     /// What `read_full` gave for `out`.
-    fn given_bytes<T: Stored>(&self, got: std::io::Result<usize>, out: &mut [T]) -> Result<(), VolumeError> {
+    fn given_bytes(&self, got: std::io::Result<usize>, out: &mut [u8]) -> Result<(), VolumeError> {
         let got = got.map_err(|e| self.place.io("read", e))?;
-        if got < size_of_val(out) {
+        if got < out.len() {
             return Err(self.short(got as u64));
         }
-        if self.layout.big_endian != cfg!(target_endian = "big") && size_of::<T>() > 1 {
-            for number in out {
-                *number = number.swapped();
-            }
+        if self.layout.big_endian != cfg!(target_endian = "big") {
+            swap_bytes(out, self.layout.stored.bytes());
         }
         Ok(())
     }

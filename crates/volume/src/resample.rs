@@ -16,7 +16,8 @@ mod straight;
 use strum::{Display, EnumString};
 
 use crate::error::show_dims;
-use crate::{FileInfo, ReadOptions, Sample, Space, Volume, VolumeError, World, thick_dims};
+use crate::samples::with_type;
+use crate::{FileInfo, ReadOptions, Sample, SampleType, Samples, Space, Volume, VolumeError, World, thick_dims};
 
 use spline::Taps;
 
@@ -210,7 +211,7 @@ pub fn resample_bytes(about: &FileInfo, how: &Resampling) -> Result<u64, VolumeE
         return Ok(of(new, sample_type.bytes()).saturating_add(reals));
     }
     let axes = plan(&old, how.grid)?;
-    let reals = separable::reals(dims, &axes).unwrap_or(u64::MAX).saturating_mul(size_of::<f64>() as u64);
+    let reals = separable::numbers_on_the_way(dims, &axes).unwrap_or(u64::MAX).saturating_mul(size_of::<f64>() as u64);
     Ok(of([0, 1, 2].map(|a| axes[a].size), sample_type.bytes()).saturating_add(reals))
 }
 
@@ -272,10 +273,15 @@ fn shortest(volume: &Old) -> f64 {
 }
 
 /// Checks what a resampling takes: the new samples, and `reals` of double precision on the way. Gives the number of samples.
-fn check_memory<S: Sample>(dims: [usize; 3], reals: Option<u64>, limit: u64) -> Result<usize, VolumeError> {
+fn check_memory(
+    dims: [usize; 3],
+    sample_type: SampleType,
+    reals: Option<u64>,
+    limit: u64,
+) -> Result<usize, VolumeError> {
     let on_the_way = reals.and_then(|reals| reals.checked_mul(size_of::<f64>() as u64));
     let left = on_the_way.map_or(0, |bytes| limit.saturating_sub(bytes));
-    crate::limits::sample_count(dims, S::TYPE, left, WHAT).map_err(|error| match error {
+    crate::limits::sample_count(dims, sample_type, left, WHAT).map_err(|error| match error {
         VolumeError::TooLarge { file, dims, sample_type, needed, .. } => {
             let sum = needed.parse().ok().zip(on_the_way).and_then(|(a, b): (u64, u64)| a.checked_add(b));
             let needed = sum.map_or("more than 2^64".to_owned(), |bytes| bytes.to_string());
@@ -285,18 +291,29 @@ fn check_memory<S: Sample>(dims: [usize; 3], reals: Option<u64>, limit: u64) -> 
     })
 }
 
-/// An empty vector with room for `count`.
-fn reserve<S: Sample>(count: usize, dims: [usize; 3]) -> Result<Vec<S>, VolumeError> {
-    crate::limits::reserve(count, dims, S::TYPE, WHAT)
+/// Room for so many samples.
+fn samples(count: usize, dims: [usize; 3], sample_type: SampleType) -> Result<Samples, VolumeError> {
+    let needed = (count as u64).saturating_mul(sample_type.bytes() as u64);
+    Samples::zeros(sample_type, count).ok_or_else(|| crate::limits::no_room(WHAT, dims, sample_type, needed))
 }
 
-/// Values as samples; how many were beyond the type's range.
-fn store<S: Sample>(values: &[f64], samples: &mut [S]) -> u64 {
-    let mut clipped = 0;
-    for (&value, sample) in values.iter().zip(samples) {
-        *sample = S::nearest(value);
-        // Rounding moves a value by half at most.
-        clipped += u64::from(!S::TYPE.is_float() && (Into::<f64>::into(*sample) - value).abs() > 0.5);
+/// Room for so many numbers of double precision.
+fn reals(count: usize, dims: [usize; 3]) -> Result<Vec<f64>, VolumeError> {
+    let mut reals = crate::limits::reserve(count, dims, SampleType::F64, WHAT)?;
+    reals.resize(count, 0.0);
+    Ok(reals)
+}
+
+/// Values as samples of a type, whose bytes they become; how many were beyond its range.
+fn store(values: &[f64], samples: &mut [u8], sample_type: SampleType) -> u64 {
+    fn of<S: Sample>(values: &[f64], samples: &mut [S]) -> u64 {
+        let mut clipped = 0;
+        for (&value, sample) in values.iter().zip(samples) {
+            *sample = S::nearest(value);
+            // Rounding moves a value by half at most.
+            clipped += u64::from(!S::TYPE.is_float() && (Into::<f64>::into(*sample) - value).abs() > 0.5);
+        }
+        clipped
     }
-    clipped
+    with_type!(sample_type, S => of::<S>(values, bytemuck::cast_slice_mut(samples)))
 }

@@ -1,7 +1,9 @@
 //! The eight numeric types that a voxel can have.
 
-use std::str::FromStr;
+use std::ops::Range;
 
+use bytemuck::allocation::try_zeroed_vec;
+use rayon::prelude::*;
 use strum::{Display, EnumString, IntoStaticStr, VariantArray};
 
 use crate::VolumeError;
@@ -57,10 +59,8 @@ fn unknown(name: &str) -> VolumeError {
     VolumeError::unknown("sample type", name, "write u8, i8, u16, i16, u32, i32, f32 or f64")
 }
 
-/// A number as a file stores it: plain bytes that can be turned round.
-pub(crate) trait Stored: bytemuck::Pod + FromStr + Send + Sync {
-    /// The same number with its bytes in reverse order.
-    fn swapped(self) -> Self;
+/// A number as a file stores it.
+pub(crate) trait Stored: bytemuck::Pod {
     /// The number rounded to double precision.
     fn double(self) -> f64;
 }
@@ -68,11 +68,6 @@ pub(crate) trait Stored: bytemuck::Pod + FromStr + Send + Sync {
 macro_rules! stored {
     ($($number:ident),*) => {$(
         impl Stored for $number {
-            fn swapped(self) -> Self {
-                let mut bytes = self.to_ne_bytes();
-                bytes.reverse();
-                $number::from_ne_bytes(bytes)
-            }
             fn double(self) -> f64 {
                 self as f64
             }
@@ -80,6 +75,19 @@ macro_rules! stored {
     )*};
 }
 stored!(u8, i8, u16, i16, u32, i32, i64, u64, f32, f64);
+
+/// Turns the bytes of each number round, of `size` bytes each.
+pub(crate) fn swap_bytes(numbers: &mut [u8], size: usize) {
+    fn each<const SIZE: usize>(numbers: &mut [u8]) {
+        numbers.as_chunks_mut::<SIZE>().0.iter_mut().for_each(|number| number.reverse());
+    }
+    match size {
+        2 => each::<2>(numbers),
+        4 => each::<4>(numbers),
+        8 => each::<8>(numbers),
+        _ => {}
+    }
+}
 
 /// A numeric type that a voxel can have; implemented for the eight of [`SampleType`] only.
 pub trait Sample: Copy + PartialOrd + Send + Sync + Into<f64> + Default + 'static + sealed::Sealed {
@@ -95,7 +103,7 @@ pub trait Sample: Copy + PartialOrd + Send + Sync + Into<f64> + Default + 'stati
 }
 
 mod sealed {
-    pub trait Sealed {}
+    pub trait Sealed: bytemuck::Pod {}
 }
 
 macro_rules! sample {
@@ -172,7 +180,54 @@ macro_rules! with_samples {
     }};
 }
 
+/// As [`with_samples!`], by the type alone.
+macro_rules! with_type {
+    ($sample_type:expr, $number:ident => $body:expr) => {{
+        macro_rules! of {
+            ($concrete:ty) => {{
+                type $number = $concrete;
+                $body
+            }};
+        }
+        match $sample_type {
+            $crate::SampleType::U8 => of!(u8),
+            $crate::SampleType::I8 => of!(i8),
+            $crate::SampleType::U16 => of!(u16),
+            $crate::SampleType::I16 => of!(i16),
+            $crate::SampleType::U32 => of!(u32),
+            $crate::SampleType::I32 => of!(i32),
+            $crate::SampleType::F32 => of!(f32),
+            $crate::SampleType::F64 => of!(f64),
+        }
+    }};
+}
+pub(crate) use with_type;
+
+/// Samples that a core takes at a time.
+pub(crate) const CHUNK: usize = 1 << 16;
+
+/// The places of so many samples in chunks, on all cores. Loops over samples of a type lie inside a chunk, so that what spreads the chunks
+/// is compiled once and not for each type.
+pub(crate) fn chunks(count: usize) -> impl IndexedParallelIterator<Item = Range<usize>> {
+    (0..count.div_ceil(CHUNK)).into_par_iter().map(move |i| i * CHUNK..((i + 1) * CHUNK).min(count))
+}
+
 impl Samples {
+    /// So many zeros; `None` where the system has no memory for them. It gives the memory when it is written to.
+    pub(crate) fn zeros(sample_type: SampleType, count: usize) -> Option<Self> {
+        with_type!(sample_type, S => try_zeroed_vec::<S>(count).ok().map(S::wrap))
+    }
+
+    /// The samples in this machine's byte order.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        with_samples!(self, v => bytemuck::cast_slice(v))
+    }
+
+    /// As [`Samples::bytes`], to be written.
+    pub(crate) fn bytes_mut(&mut self) -> &mut [u8] {
+        with_samples!(self, v => bytemuck::cast_slice_mut(v))
+    }
+
     /// The number of samples.
     pub fn len(&self) -> usize {
         with_samples!(self, v => v.len())

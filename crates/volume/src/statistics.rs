@@ -1,8 +1,11 @@
 //! What values a volume holds: range and histogram.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
-use crate::{NonFinite, Sample, Volume, VolumeError, VoxelWords, with_samples};
+use crate::samples::chunks;
+use crate::{NonFinite, Volume, VolumeError, VoxelWords, with_samples};
 
 /// How many samples fall in each of equally wide bins.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,19 +102,24 @@ impl Volume {
     /// The least and the greatest of the finite samples, (0, 0) where there are none, and how many
     /// samples are NaN or infinite.
     pub fn finite_range(&self) -> ((f64, f64), u64) {
-        fn of<S: Sample>(samples: &[S]) -> (f64, f64, u64) {
-            samples
-                .par_chunks(1 << 16)
-                .map(|chunk| {
-                    chunk.iter().fold((f64::INFINITY, f64::NEG_INFINITY, 0), |(lo, hi, bad), &s| {
-                        let v: f64 = s.into();
-                        if v.is_finite() { (lo.min(v), hi.max(v), bad) } else { (lo, hi, bad + 1) }
-                    })
-                })
-                .reduce(|| (f64::INFINITY, f64::NEG_INFINITY, 0), |a, b| (a.0.min(b.0), a.1.max(b.1), a.2 + b.2))
-        }
-        let (lo, hi, bad) = with_samples!(&self.samples, v => of(v));
+        let nothing = || (f64::INFINITY, f64::NEG_INFINITY, 0);
+        let chunk = |chunk: Range<usize>| {
+            with_samples!(&self.samples, v => v[chunk].iter().fold(nothing(), |(lo, hi, bad), &s| {
+                let v = f64::from(s);
+                if v.is_finite() { (lo.min(v), hi.max(v), bad) } else { (lo, hi, bad + 1) }
+            }))
+        };
+        let all = chunks(self.len()).map(chunk);
+        let (lo, hi, bad) = all.reduce(nothing, |a, b| (a.0.min(b.0), a.1.max(b.1), a.2 + b.2));
         (if lo <= hi { (lo, hi) } else { (0.0, 0.0) }, bad)
+    }
+
+    /// The first sample in storage order that `is` so.
+    pub(crate) fn first(&self, is: impl Fn(f64) -> bool + Sync) -> Option<usize> {
+        chunks(self.len()).find_map_first(|chunk| {
+            let start = chunk.start;
+            with_samples!(&self.samples, v => v[chunk].iter().position(|&s| is(f64::from(s)))).map(|at| start + at)
+        })
     }
 
     /// The first voxel in storage order that is NaN or infinite.
@@ -119,9 +127,7 @@ impl Volume {
         if !self.sample_type().is_float() {
             return None;
         }
-        let index = with_samples!(&self.samples, v => {
-            v.par_iter().position_first(|&s| !f64::from(s).is_finite())
-        })?;
+        let index = self.first(|value| !value.is_finite())?;
         Some(NonFinite { position: self.position(index), value: self.samples.value(index) })
     }
 

@@ -8,16 +8,17 @@
 //! Before anything is taken the header is held against the file's length, or what a compressed file of that length can unpack to
 //! at most. Beside the samples there are two blocks, so that unpacking never waits for the axes to be turned.
 
-use std::sync::mpsc::{channel, sync_channel};
+use std::str::FromStr;
 
-use bytemuck::allocation::try_zeroed_vec;
+use bytemuck::{cast_slice, cast_slice_mut};
 
+use crate::blocks::{Block, Blocks};
 use crate::limits::{no_room, sample_count};
 use crate::parts::{Data, Parts};
 use crate::place::Place;
-use crate::samples::Stored;
+use crate::samples::{Stored, with_type};
 use crate::world::AxisOrder;
-use crate::{ReadOptions, Sample, SampleType, Samples, VolumeError};
+use crate::{ReadOptions, SampleType, Samples, VolumeError};
 
 /// Bytes of a block: what one core unpacks is still in its cache when the other takes it.
 const BLOCK_BYTES: usize = 1 << 19;
@@ -39,6 +40,19 @@ impl StoredType {
         match self {
             StoredType::Plain(t) => t.bytes(),
             StoredType::I64 | StoredType::U64 => 8,
+        }
+    }
+
+    /// The number that a word says, in this machine's byte order; `None` where it says none of this type.
+    pub fn parse(self, word: &str, number: &mut [u8]) -> Option<()> {
+        fn of<T: Stored + FromStr>(word: &str, number: &mut [u8]) -> Option<()> {
+            number.copy_from_slice(bytemuck::bytes_of(&word.parse::<T>().ok()?));
+            Some(())
+        }
+        match self {
+            StoredType::Plain(plain) => with_type!(plain, S => of::<S>(word, number)),
+            StoredType::I64 => of::<i64>(word, number),
+            StoredType::U64 => of::<u64>(word, number),
         }
     }
 }
@@ -157,144 +171,77 @@ struct Job<'a> {
     place: &'a Place,
 }
 
-/// A stored number that is kept as it is.
-trait Kept: Stored + Sample {}
-impl<T: Stored + Sample> Kept for T {}
-
-/// Consecutive numbers of the file that are a box of the stored grid.
-#[derive(Clone, Copy, Debug)]
-struct Block {
-    from: [usize; 3],
-    size: [usize; 3],
-}
-
-impl Block {
-    fn len(&self) -> usize {
-        self.size.iter().product()
-    }
-}
-
-/// The stored grid in blocks of at most `most` numbers (at least one): parts of a row, rows of a slice, or slices.
-fn blocks([nx, ny, nz]: [usize; 3], most: usize) -> impl Iterator<Item = Block> + Send {
-    let i = most.clamp(1, nx);
-    let j = if i == nx { (most / nx).clamp(1, ny) } else { 1 };
-    let k = if j == ny { (most / (nx * ny)).clamp(1, nz) } else { 1 };
-    let starts = |n: usize, step: usize| (0..n).step_by(step);
-    starts(nz, k).flat_map(move |z| {
-        starts(ny, j).flat_map(move |y| {
-            starts(nx, i).map(move |x| Block { from: [x, y, z], size: [i.min(nx - x), j.min(ny - y), k.min(nz - z)] })
-        })
-    })
-}
-
 impl Job<'_> {
-    fn read(&self, parts: Parts) -> Result<Samples, VolumeError> {
-        fn kept<T: Kept>(job: &Job, parts: Parts) -> Result<Samples, VolumeError> {
-            Ok(T::wrap(job.read_as::<T>(parts)?))
-        }
-        fn scaled<T: Stored>(job: &Job, parts: Parts, [slope, intercept]: [f64; 2]) -> Result<Samples, VolumeError> {
-            if job.layout.kept() == SampleType::F32 {
-                let scaled = |n: T| Some((n.double() * slope + intercept) as f32);
-                job.convert(parts, scaled).map(Samples::F32)
-            } else {
-                job.convert(parts, |n: T| Some(n.double() * slope + intercept)).map(Samples::F64)
-            }
-        }
-        macro_rules! for_stored {
-            ($($name:ident $number:ident),*) => {
-                match (self.layout.stored, self.layout.scale) {
-                    $((StoredType::Plain(SampleType::$name), None) => kept::<$number>(self, parts),
-                    (StoredType::Plain(SampleType::$name), Some(scale)) => scaled::<$number>(self, parts, scale),)*
-                    (StoredType::I64, None) => self.convert(parts, |n: i64| i32::try_from(n).ok()).map(Samples::I32),
-                    (StoredType::U64, None) => self.convert(parts, |n: u64| u32::try_from(n).ok()).map(Samples::U32),
-                    (StoredType::I64, Some(scale)) => scaled::<i64>(self, parts, scale),
-                    (StoredType::U64, Some(scale)) => scaled::<u64>(self, parts, scale),
-                }
-            };
-        }
-        for_stored!(U8 u8, I8 i8, U16 u16, I16 i16, U32 u32, I32 i32, F32 f32, F64 f64)
-    }
-
-    /// Numbers that stay what they are: where nothing is unpacked or turned they go straight to their place.
-    fn read_as<T: Kept>(&self, mut parts: Parts) -> Result<Vec<T>, VolumeError> {
-        let straight = self.order.is_stored() && matches!(self.layout.series, Series::After(_));
-        if straight && parts.is_plain() {
-            let mut samples = self.room()?;
-            parts.fill::<T>(&mut samples)?;
+    fn read(&self, mut parts: Parts) -> Result<Samples, VolumeError> {
+        let kept = self.layout.kept();
+        let no_room = |bytes: usize| no_room(&self.place.file, self.layout.dims, kept, bytes as u64);
+        let mut samples = Samples::zeros(kept, self.count).ok_or_else(|| no_room(self.count * kept.bytes()))?;
+        let unchanged = self.layout.stored == StoredType::Plain(kept) && self.layout.scale.is_none();
+        let together = matches!(self.layout.series, Series::After(_));
+        // Where nothing is unpacked, converted or turned the numbers go straight to their place.
+        if unchanged && together && self.order.is_stored() && parts.is_plain() {
+            parts.fill(samples.bytes_mut())?;
             parts.finish()?;
             return Ok(samples);
         }
-        self.convert(parts, Some)
-    }
-
-    /// Numbers that are converted and turned on the way.
-    fn convert<T: Stored, S: Sample + bytemuck::Zeroable>(
-        &self,
-        mut parts: Parts,
-        convert: impl Fn(T) -> Option<S>,
-    ) -> Result<Vec<S>, VolumeError> {
-        let dims = self.layout.dims;
-        let within = match self.layout.series {
-            Series::Within(volumes) => volumes as usize,
-            Series::After(_) => 1,
+        let places = self.order.strides(self.layout.dims);
+        let (_, strides) = places;
+        let blocks = Blocks {
+            dims: self.layout.dims,
+            size: self.layout.stored.bytes(),
+            bytes: if strides[2].abs() == 1 { WIDE_BLOCK_BYTES } else { BLOCK_BYTES },
+            volumes: match self.layout.series {
+                Series::Within(volumes) => volumes as usize,
+                Series::After(_) => 1,
+            },
+            frame: self.frame,
         };
-        let (first, strides) = self.order.strides(dims);
-        let bytes = if strides[2].abs() == 1 { WIDE_BLOCK_BYTES } else { BLOCK_BYTES };
-        let most = bytes / size_of::<T>() / within;
-        let largest = blocks(dims, most).next().map_or(0, |block| block.len()) * within;
-        let mut samples: Vec<S> = self.room()?;
-        let mut put = |block: &Block, numbers: &[T]| self.put(block, numbers, &mut samples, (first, strides), &convert);
-        let fill = |parts: &mut Parts, block: &Block, buffer: &mut [T]| {
-            let numbers = &mut buffer[..block.len() * within];
-            parts.fill(numbers)?;
-            if within > 1 {
-                for i in 0..block.len() {
-                    numbers[i] = numbers[i * within + self.frame];
-                }
-            }
-            Ok::<(), VolumeError>(())
-        };
-        let room = || try_zeroed_vec::<T>(largest).map_err(|_| self.no_room(largest * size_of::<T>()));
-        if blocks(dims, most).nth(1).is_none() {
-            let mut buffer = room()?;
-            for block in blocks(dims, most) {
-                fill(&mut parts, &block, &mut buffer)?;
-                put(&block, &buffer[..block.len()])?;
-            }
-            parts.finish()?;
-            return Ok(samples);
-        }
-        let (filled, full) = sync_channel::<(Block, Vec<T>)>(1);
-        let (emptied, empty) = channel();
-        for buffer in [room()?, room()?] {
-            let _ = emptied.send(buffer);
-        }
-        std::thread::scope(|scope| {
-            let filler = scope.spawn(move || {
-                for block in blocks(dims, most) {
-                    // Both ends go away only where the other has failed.
-                    let Ok(mut buffer) = empty.recv() else { return Ok(()) };
-                    fill(&mut parts, &block, &mut buffer)?;
-                    if filled.send((block, buffer)).is_err() {
-                        return Ok(());
-                    }
-                }
-                parts.finish()
-            });
-            let placed = full.into_iter().try_for_each(|(block, buffer)| {
-                put(&block, &buffer[..block.len()])?;
-                let _ = emptied.send(buffer);
-                Ok(())
-            });
-            drop(emptied);
-            let filled = filler.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-            placed.and(filled)
-        })?;
+        let samples_bytes = samples.bytes_mut();
+        blocks.read(parts, &no_room, &mut |block, numbers| self.convert(block, numbers, samples_bytes, places))?;
         Ok(samples)
     }
 
+    /// Puts a block of stored numbers among the samples, converted. Numbers that stay what they are differ in size alone.
+    fn convert(
+        &self,
+        block: &Block,
+        numbers: &[u8],
+        samples: &mut [u8],
+        places: (usize, [isize; 3]),
+    ) -> Result<(), VolumeError> {
+        macro_rules! put {
+            ($from:ident, $to:ident, $convert:expr) => {
+                self.put::<$from, $to>(block, cast_slice(numbers), cast_slice_mut(samples), places, &$convert)
+            };
+        }
+        macro_rules! for_stored {
+            ($($name:ident $number:ident $float:ident),*) => {
+                match (self.layout.stored, self.layout.scale) {
+                    $((StoredType::Plain(SampleType::$name), Some([slope, intercept])) => {
+                        put!($number, $float, |n: $number| Some((n.double() * slope + intercept) as $float))
+                    })*
+                    (StoredType::I64, Some([slope, intercept])) => {
+                        put!(i64, f64, |n: i64| Some(n.double() * slope + intercept))
+                    }
+                    (StoredType::U64, Some([slope, intercept])) => {
+                        put!(u64, f64, |n: u64| Some(n.double() * slope + intercept))
+                    }
+                    (StoredType::I64, None) => put!(i64, i32, |n: i64| i32::try_from(n).ok()),
+                    (StoredType::U64, None) => put!(u64, u32, |n: u64| u32::try_from(n).ok()),
+                    (StoredType::Plain(kept), None) => match kept.bytes() {
+                        1 => put!(u8, u8, Some),
+                        2 => put!(u16, u16, Some),
+                        4 => put!(u32, u32, Some),
+                        _ => put!(u64, u64, Some),
+                    },
+                }
+            };
+        }
+        for_stored!(U8 u8 f32, I8 i8 f32, U16 u16 f32, I16 i16 f32, U32 u32 f64, I32 i32 f64, F32 f32 f32, F64 f64 f64)
+    }
+
     /// Puts a block of the stored grid where it belongs in the grid: the voxel (0, 0, 0) at `first`, steps of `strides`.
-    fn put<T: Stored, S: Sample>(
+    fn put<T: Stored, S: Copy>(
         &self,
         block: &Block,
         numbers: &[T],
@@ -339,21 +286,12 @@ impl Job<'_> {
         }
         Ok(())
     }
-
-    /// Room for all samples, of zeros that the system has not given yet.
-    fn room<S: Sample + bytemuck::Zeroable>(&self) -> Result<Vec<S>, VolumeError> {
-        try_zeroed_vec(self.count).map_err(|_| self.no_room(self.count * size_of::<S>()))
-    }
-
-    fn no_room(&self, bytes: usize) -> VolumeError {
-        no_room(&self.place.file, self.layout.dims, self.layout.kept(), bytes as u64)
-    }
 }
 
 /// Puts every `step`-th number into a run of samples, from its end where it is not `forward`; the error is the place in the run of the
 /// first that cannot be converted.
 #[inline]
-fn put_run<T: Stored, S: Sample>(
+fn put_run<T: Stored, S: Copy>(
     numbers: &[T],
     step: usize,
     run: &mut [S],

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::error::show_dims;
+use crate::samples::CHUNK;
 use crate::{Sample, SampleType, Samples, VolumeError, World, with_samples};
 
 /// A regular grid of samples. Voxel centres are at integer grid coordinates.
@@ -138,21 +139,28 @@ impl Volume {
 
     /// All samples as `f64`, in storage order.
     pub fn to_f64(&self) -> Vec<f64> {
-        with_samples!(&self.samples, v => v.par_iter().map(|&s| f64::from(s)).collect())
+        self.each(|value| value)
     }
 
     /// All samples as `f32`, in storage order, each rounded to nearest.
     pub fn to_f32(&self) -> Vec<f32> {
-        with_samples!(&self.samples, v => v.par_iter().map(|&s| f64::from(s) as f32).collect())
+        self.each(|value| value as f32)
     }
 
     /// The volume with `change` done to each sample and the result kept as `S`, by
     /// [`Sample::nearest`].
     pub fn map<S: Sample>(&self, change: impl Fn(f64) -> f64 + Sync) -> Volume {
-        let samples = with_samples!(&self.samples, v => {
-            v.par_iter().map(|&s| S::nearest(change(f64::from(s)))).collect()
+        Volume { samples: S::wrap(self.each(|value| S::nearest(change(value)))), ..*self }
+    }
+
+    fn each<T: bytemuck::Zeroable + Send>(&self, make: impl Fn(f64) -> T + Sync) -> Vec<T> {
+        let mut made: Vec<T> = bytemuck::allocation::zeroed_vec(self.len());
+        made.par_chunks_mut(CHUNK).enumerate().for_each(|(i, made)| {
+            with_samples!(&self.samples, v => {
+                made.iter_mut().zip(&v[i * CHUNK..]).for_each(|(made, &s)| *made = make(f64::from(s)));
+            });
         });
-        Volume { samples: S::wrap(samples), ..*self }
+        made
     }
 }
 

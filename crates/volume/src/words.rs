@@ -6,8 +6,9 @@ use rayon::prelude::*;
 
 use crate::error::show_dims;
 use crate::readable;
+use crate::samples::CHUNK;
 use crate::volume::check_grid;
-use crate::{Sample, Samples, Volume, VolumeError, with_samples};
+use crate::{Samples, Volume, VolumeError, with_samples};
 
 /// A grid of unsigned words of 1 to 16 bits, as the cubic frame buffer stores it.
 #[derive(Clone, Debug, PartialEq)]
@@ -256,9 +257,7 @@ impl Volume {
         check_bits(bits)?;
         let wrong = |reason, remedy| Err(VolumeError::Parameter { name: "labels", reason, remedy });
         let is_none = |value: f64| value.is_finite() && !(value >= 0.0 && value.fract() == 0.0);
-        let first = with_samples!(&self.samples, v => {
-            v.par_iter().position_first(|&s| is_none(s.into())).map(|index| (index, f64::from(v[index])))
-        });
+        let first = self.first(is_none).map(|index| (index, self.samples.value(index)));
         if let Some((index, value)) = first {
             let [nx, ny, _] = self.dims;
             let at = [index % nx, index / nx % ny, index / nx / ny];
@@ -325,25 +324,15 @@ impl Volume {
                 WordRounding::Truncate => word as u16,
             }
         };
-        fn fill<S: Sample>(
-            samples: &[S],
-            words: &mut [u16],
-            convert: impl Fn(f64, &mut [u64; 3]) -> u16 + Sync,
-        ) -> [u64; 3] {
-            const CHUNK: usize = 1 << 16;
-            samples
-                .par_chunks(CHUNK)
-                .zip(words.par_chunks_mut(CHUNK))
-                .map(|(from, to)| {
-                    let mut count = [0; 3];
-                    for (s, w) in from.iter().zip(to) {
-                        *w = convert((*s).into(), &mut count);
-                    }
-                    count
-                })
-                .reduce(|| [0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]])
-        }
-        let count = with_samples!(&self.samples, v => fill(v, &mut words, convert));
+        let chunk = |(i, words): (usize, &mut [u16])| {
+            let mut count = [0; 3];
+            with_samples!(&self.samples, v => {
+                words.iter_mut().zip(&v[i * CHUNK..]).for_each(|(word, &s)| *word = convert(f64::from(s), &mut count));
+            });
+            count
+        };
+        let chunks = words.par_chunks_mut(CHUNK).enumerate().map(chunk);
+        let count = chunks.reduce(|| [0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
         let report = ConversionReport {
             window,
             bits,

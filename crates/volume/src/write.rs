@@ -14,8 +14,8 @@ use flate2::Compression;
 use flate2::write::{GzEncoder, ZlibEncoder};
 
 use crate::place::Place;
-use crate::samples::Stored;
-use crate::{AxisOrder, Endian, Space, Volume, VolumeError, World, with_samples};
+use crate::samples::swap_bytes;
+use crate::{AxisOrder, Endian, Space, Volume, VolumeError, World};
 
 /// How voxels are written where the format leaves a choice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -165,19 +165,18 @@ fn gzip(out: &mut dyn Write, before: &[u8], volume: &Volume) -> std::io::Result<
 }
 
 fn write_numbers(out: &mut (impl Write + ?Sized), volume: &Volume, endian: Endian) -> std::io::Result<()> {
-    fn numbers<T: Stored>(out: &mut (impl Write + ?Sized), samples: &[T], endian: Endian) -> std::io::Result<()> {
-        if (endian == Endian::Big) == cfg!(target_endian = "big") {
-            return out.write_all(bytemuck::cast_slice(samples));
-        }
-        let mut turned = Vec::new();
-        for chunk in samples.chunks(1 << 16) {
-            turned.clear();
-            turned.extend(chunk.iter().map(|n| n.swapped()));
-            out.write_all(bytemuck::cast_slice(&turned))?;
-        }
-        Ok(())
+    let numbers = volume.samples.bytes();
+    if (endian == Endian::Big) == cfg!(target_endian = "big") {
+        return out.write_all(numbers);
     }
-    with_samples!(&volume.samples, v => numbers(out, v, endian))
+    let mut turned = Vec::new();
+    for chunk in numbers.chunks(1 << 16) {
+        turned.clear();
+        turned.extend_from_slice(chunk);
+        swap_bytes(&mut turned, volume.sample_type().bytes());
+        out.write_all(&turned)?;
+    }
+    Ok(())
 }
 
 /// Whether the grid's axes are the world's, to the bit.

@@ -5,8 +5,9 @@ use rayon::prelude::*;
 
 use super::spline::{Taps, to_coefficients};
 use super::{
-    Filter, NewGrid, Old, ROUNDING, ResampleReport, Resampling, check_memory, reserve, shortest, steps, store,
+    Filter, NewGrid, Old, ROUNDING, ResampleReport, Resampling, check_memory, reals, samples, shortest, steps, store,
 };
+use crate::samples::with_type;
 use crate::{Sample, Samples, Volume, VolumeError, World, with_samples};
 
 /// The volume in the box around all its voxel centres; an axis of one voxel is one thick.
@@ -15,9 +16,7 @@ pub(super) fn resample(volume: &Volume, how: &Resampling, limit: u64) -> Result<
     let grid = Straight::around(&Old::of(&source), how.grid)?;
     let least = source.finite_range().0.0;
     let outside = how.outside.unwrap_or(least);
-    let (samples, clipped, outside) = with_samples!(&source.samples, samples => {
-        grid.run(samples, how.filter, outside, limit)?
-    });
+    let (samples, clipped, outside) = grid.run(&source, how.filter, outside, limit)?;
     let world = World { space: volume.world.space, ..World::default() };
     let resampled = Volume::new(grid.dims, grid.spacing, samples)?.with_world(grid.origin.to_array(), world)?;
     let coarsest = grid.spacing.into_iter().fold(0.0, f64::max);
@@ -77,40 +76,46 @@ impl Straight {
         Ok(Self { old, dims, spacing, origin: least, first, step })
     }
 
-    fn run<S: Sample>(
+    fn run(
         &self,
-        samples: &[S],
+        source: &Volume,
         filter: Filter,
         outside: f64,
         limit: u64,
     ) -> Result<(Samples, u64, u64), VolumeError> {
-        let beyond = S::nearest(outside);
-        if !S::TYPE.is_float() && Into::<f64>::into(beyond) != outside {
+        let sample_type = source.sample_type();
+        let kept: f64 = with_type!(sample_type, S => S::nearest(outside).into());
+        if !sample_type.is_float() && kept != outside {
             return Err(VolumeError::Parameter {
                 name: "outside",
-                reason: format!("{outside} is no value of {}", S::TYPE),
+                reason: format!("{outside} is no value of {sample_type}"),
                 remedy: "give one that the volume's type has",
             });
         }
-        let reals = if filter == Filter::Cubic { samples.len() as u64 } else { 0 };
-        let count = check_memory::<S>(self.dims, Some(reals), limit)?;
-        let mut new = reserve::<S>(count, self.dims)?;
-        new.resize(count, beyond);
-        let counts = match filter {
-            Filter::Nearest | Filter::Linear => self.fill(filter, |index| samples[index].into(), &mut new),
+        let on_the_way = if filter == Filter::Cubic { source.len() as u64 } else { 0 };
+        let count = check_memory(self.dims, sample_type, Some(on_the_way), limit)?;
+        let mut new = samples(count, self.dims, sample_type)?;
+        let [clipped, outside] = match filter {
+            Filter::Nearest | Filter::Linear => self.fill(&mut new, outside, |start, values| {
+                with_samples!(&source.samples, v => self.row(filter, start, |index| f64::from(v[index]), values))
+            }),
             Filter::Cubic => {
-                let coefficients = self.coefficients(samples)?;
-                self.fill(filter, |index| coefficients[index], &mut new)
+                let coefficients = self.coefficients(source)?;
+                self.fill(&mut new, outside, |start, values| {
+                    self.row(filter, start, |index| coefficients[index], values)
+                })
             }
         };
-        Ok((S::wrap(new), counts[0], counts[1]))
+        Ok((new, clipped, outside))
     }
 
-    fn coefficients<S: Sample>(&self, samples: &[S]) -> Result<Vec<f64>, VolumeError> {
+    fn coefficients(&self, source: &Volume) -> Result<Vec<f64>, VolumeError> {
         let [nx, ny, _] = self.old;
-        let mut values = reserve::<f64>(samples.len(), self.old)?;
-        values.par_extend(samples.par_iter().map(|&s| -> f64 { s.into() }));
-        values.par_chunks_exact_mut(nx * ny).for_each(|slice| {
+        let mut values = reals(source.len(), self.old)?;
+        values.par_chunks_exact_mut(nx * ny).enumerate().for_each(|(z, slice)| {
+            with_samples!(&source.samples, v => {
+                slice.iter_mut().zip(&v[z * nx * ny..]).for_each(|(value, &s)| *value = f64::from(s));
+            });
             slice.chunks_exact_mut(nx).for_each(|row| to_coefficients(row, 1));
             to_coefficients(slice, nx);
         });
@@ -118,22 +123,32 @@ impl Straight {
         Ok(values)
     }
 
-    /// Fills what lies in the data; how many were clipped, and how many lie outside.
-    fn fill<S: Sample>(&self, filter: Filter, number: impl Fn(usize) -> f64 + Sync, new: &mut [S]) -> [u64; 2] {
+    /// Fills the new samples, each row from its place in the old grid; what does not lie in the data is `outside`. How many were clipped,
+    /// and how many lie outside.
+    fn fill(&self, new: &mut Samples, outside: f64, row: impl Fn(DVec3, &mut [f64]) -> u64 + Sync) -> [u64; 2] {
         let [nx, ny, _] = self.dims;
-        let row = |(row, samples): (usize, &mut [S])| {
-            let start = self.first + self.step[1] * (row % ny) as f64 + self.step[2] * (row / ny) as f64;
-            let mut counts = [0; 2];
-            for (x, sample) in samples.iter_mut().enumerate() {
-                match self.value(filter, start + self.step[0] * x as f64, &number) {
-                    Some(value) => counts[0] += store(&[value], std::slice::from_mut(sample)),
-                    None => counts[1] += 1,
-                }
-            }
-            counts
+        let sample_type = new.sample_type();
+        let fill = |values: &mut Vec<f64>, (at, samples): (usize, &mut [u8])| {
+            let start = self.first + self.step[1] * (at % ny) as f64 + self.step[2] * (at / ny) as f64;
+            values.clear();
+            values.resize(nx, outside);
+            let outside = row(start, values);
+            [store(values, samples, sample_type), outside]
         };
-        let rows = new.par_chunks_exact_mut(nx).enumerate();
-        rows.map(row).reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]])
+        let rows = new.bytes_mut().par_chunks_exact_mut(nx * sample_type.bytes()).enumerate();
+        rows.map_init(Vec::new, fill).reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]])
+    }
+
+    /// The values of a row that lie in the data; how many do not.
+    fn row(&self, filter: Filter, start: DVec3, number: impl Fn(usize) -> f64, values: &mut [f64]) -> u64 {
+        let mut outside = 0;
+        for (x, value) in values.iter_mut().enumerate() {
+            match self.value(filter, start + self.step[0] * x as f64, &number) {
+                Some(inside) => *value = inside,
+                None => outside += 1,
+            }
+        }
+        outside
     }
 
     /// The value at a place of the old grid; `None` outside of the box of voxel centres.
