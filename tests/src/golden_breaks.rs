@@ -126,17 +126,23 @@ impl Changes {
     }
 }
 
-/// The files that hold definitions, from the workspace's root, in order: every crate's `golden.rs`, and the arithmetic of words that
-/// they are made of.
+/// The files that hold definitions, from the workspace's root, in order: every crate's `golden.rs` and those in a folder of that name, and
+/// the arithmetic of words that they are made of.
 ///
 /// # Panics
 /// Where the folder of the crates cannot be read.
 pub fn definitions() -> Vec<String> {
-    let folder = root().join("crates");
-    let crates = fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
-    let golden = crates
-        .filter_map(|entry| Some(format!("crates/{}/src/golden.rs", entry.ok()?.file_name().to_string_lossy())))
-        .filter(|file| root().join(file).is_file());
+    let names = |folder: &str| -> Vec<String> {
+        let entries = fs::read_dir(root().join(folder)).into_iter().flatten();
+        entries.filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned())).collect()
+    };
+    let crates = names("crates");
+    assert!(!crates.is_empty(), "the folder of the crates cannot be read");
+    let golden = crates.iter().flat_map(|name| {
+        let parts = format!("crates/{name}/src/golden");
+        let parts = names(&parts).into_iter().map(move |part| format!("{parts}/{part}"));
+        parts.chain([format!("crates/{name}/src/golden.rs")]).filter(|file| root().join(file).is_file())
+    });
     let words = ["crates/word/src/rounding.rs", "crates/word/src/unit.rs"].map(String::from);
     let files: BTreeSet<String> = golden.chain(words).collect();
     files.into_iter().collect()

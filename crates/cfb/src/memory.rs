@@ -20,6 +20,7 @@ mod oracle;
 #[cfg(test)]
 mod outside;
 mod places;
+mod reorder;
 mod rows;
 mod supply;
 #[cfg(test)]
@@ -28,10 +29,11 @@ mod ticks;
 mod timing;
 
 pub use array::{MemoryState, Modules};
-pub use blocks::{BlockModules, BlockState, ReorderCounters, ReorderError, reorder_words};
+pub use blocks::{BlockModules, BlockState};
 use chooser::Chooser;
 pub use counters::MemoryCounters;
 pub use module::{Module, Served};
+pub use reorder::{ReorderCounters, ReorderError, reorder_words};
 pub use rows::{ReorderNeed, edge_words};
 pub use supply::Supply;
 pub(crate) use supply::SupplyState;

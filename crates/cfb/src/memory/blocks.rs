@@ -10,7 +10,8 @@
 //! mini-blocks of its voxels are there whole, and a row leaves the buffer with the last beam that uses it.
 
 use super::places::{Mini, Round};
-use super::rows::{At, ReorderNeed, along, number, of_voxels, pair, words_of};
+use super::reorder::{Arrival, ReorderCounters, ReorderError, Row, reorder_words};
+use super::rows::{At, along, number, of_voxels, pair, words_of};
 use super::ticks::Ticks;
 use super::{MemoryCounters, Module, Served, Timing, WordPlace};
 use crate::golden::{Placement, Skew};
@@ -23,21 +24,6 @@ use std::borrow::Borrow;
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::Arc;
-
-/// A reorder buffer that is too small.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "cfb.reorder_words = {words} is too small for this view: a beam needs {least} words in the buffer at once; give at least as many, or leave \
-     it out ({steady} then)"
-)]
-pub struct ReorderError {
-    /// Words given.
-    pub words: u64,
-    /// The fewest that would do.
-    pub least: u64,
-    /// Words that hold nothing up.
-    pub steady: u64,
-}
 
 /// Modules that read mini-blocks: timing, addresses and the size of the reorder buffer.
 #[derive(Clone, Debug)]
@@ -102,53 +88,6 @@ struct Open {
     /// The tick in which its first word is there; the last is at `served.ready`.
     first: i64,
     served: Served,
-}
-
-/// A row of mini-blocks, or a part of one, in the buffer or on its way there.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-struct Row {
-    frame: u32,
-    section: u32,
-    j: u32,
-    /// Its mini-blocks, from the first to behind the last.
-    minis: [u32; 2],
-    /// What j and k give to places.
-    base: Mini,
-    /// Modules that have asked for all of theirs.
-    passed: u32,
-    /// Whether its last beam is over.
-    left: bool,
-    /// Mini-blocks from the first on that are there.
-    there: u32,
-    /// When each is, until all are.
-    arrivals: Vec<Arrival>,
-}
-
-impl Row {
-    /// What tells it from the others at its depths: frame, section, row, first mini-block.
-    fn key(&self) -> [u32; 4] {
-        [self.frame, self.section, self.j, self.minis[0]]
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-struct Arrival {
-    /// Bursts that have not been asked for.
-    missing: u32,
-    served: Served,
-}
-
-/// What the reorder buffer has done.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ReorderCounters {
-    /// Words that it holds.
-    pub words: u64,
-    /// Most words that rows in the buffer, or asked for, have taken.
-    pub peak_words: u64,
-    /// Rows of mini-blocks that have been asked for.
-    pub rows: u64,
-    /// Mini-blocks of these.
-    pub mini_blocks: u64,
 }
 
 impl BlockModules {
@@ -507,23 +446,6 @@ impl BlockModules {
             state.wake_all();
         }
     }
-}
-
-/// Words of the reorder buffer of a machine with mini-blocks for some frames: those of the machine file, or what the frames need.
-///
-/// # Errors
-/// Fewer than a beam needs.
-pub fn reorder_words(machine: &MachineSpec, frames: &[impl Borrow<FrameSetup>]) -> Result<u64, ReorderError> {
-    let mut most = ReorderNeed::default();
-    for setup in frames {
-        let need = ReorderNeed::new(machine, &setup.borrow().geometry);
-        (most.least, most.steady) = (most.least.max(need.least), most.steady.max(need.steady));
-    }
-    let words = machine.cfb.reorder_words.unwrap_or(most.steady);
-    if words < most.least {
-        return Err(ReorderError { words, least: most.least, steady: most.steady });
-    }
-    Ok(words)
 }
 
 impl BlockState {
