@@ -4,3 +4,4 @@ mod examples;
 mod labels;
 mod lengths;
 mod opacity_tables;
+mod sequence;

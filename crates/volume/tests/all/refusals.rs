@@ -3,7 +3,9 @@
 use std::io::Write;
 
 use crate::common::fixture;
-use cube3_volume::{Endian, FileFormat, RawLayout, ReadOptions, SampleType, Volume, VolumeError, read, read_bytes};
+use cube3_volume::{
+    Endian, FileFormat, RawLayout, ReadOptions, SampleType, Samples, Volume, VolumeError, read, read_bytes,
+};
 
 fn nrrd(header: &str, data: &[u8]) -> Result<Volume, VolumeError> {
     let bytes = [header.as_bytes(), b"\n", data].concat();
@@ -306,4 +308,27 @@ fn files_that_are_not_there_or_not_volumes() {
     let path = folder.path().join("alone.nhdr");
     std::fs::write(&path, nrrd_with(&[("data file", "gone.raw")])).unwrap();
     assert_says(read(&path, &options), &["gone.raw", "cannot open", "give the path"]);
+}
+
+/// What the system refuses says what to do, in each of the three things that are done with files.
+#[test]
+fn the_systems_refusals_have_a_remedy() {
+    let volume = Volume::new([1; 3], [1.0; 3], Samples::U8(vec![0])).unwrap();
+    for name in ["volume.raw", "volume.nrrd", "volume.nii", "volume.nii.gz", "volume.mha"] {
+        let path = format!("no such folder/{name}");
+        let message = cube3_volume::write(&path, &volume).unwrap_err().to_string();
+        assert!(message.starts_with(&format!("{path}: cannot write: ")), "{message}");
+        assert!(
+            message.ends_with("; give a path in a folder that is there and may be written to, with room for the file")
+        );
+    }
+    let io = |action| VolumeError::Io { file: "a.raw".into(), action, source: std::io::Error::other("broken") };
+    assert_eq!(
+        io("read").to_string(),
+        "a.raw: cannot read: broken; look whether the file is whole and its drive still answers"
+    );
+    assert_eq!(
+        io("open").to_string(),
+        "a.raw: cannot open: broken; give the path of a file that is there and may be read"
+    );
 }
