@@ -126,8 +126,8 @@ impl Changes {
     }
 }
 
-/// The files that hold definitions, from the workspace's root, in order: every crate's `golden.rs` and those in a folder of that name, and
-/// the arithmetic of words that they are made of.
+/// The files that hold definitions, from the workspace's root, in order: of every crate's `golden.rs` and those in a folder of that name
+/// the ones that give functions to other rooms, and the arithmetic of words that they are made of.
 ///
 /// # Panics
 /// Where the folder of the crates cannot be read.
@@ -141,7 +141,10 @@ pub fn definitions() -> Vec<String> {
     let golden = crates.iter().flat_map(|name| {
         let parts = format!("crates/{name}/src/golden");
         let parts = names(&parts).into_iter().map(move |part| format!("{parts}/{part}"));
-        parts.chain([format!("crates/{name}/src/golden.rs")]).filter(|file| root().join(file).is_file())
+        parts.chain([format!("crates/{name}/src/golden.rs")]).filter(|file| {
+            let text = fs::read_to_string(root().join(file)).unwrap_or_default();
+            ["pub fn ", "pub(crate) fn "].iter().any(|function| text.contains(function))
+        })
     });
     let words = ["crates/word/src/rounding.rs", "crates/word/src/unit.rs"].map(String::from);
     let files: BTreeSet<String> = golden.chain(words).collect();

@@ -7,87 +7,31 @@
 //! The loops over the lanes of a block are long on purpose, a whole stage each: a compiler makes vectors of a long loop, while short
 //! ones are unrolled first and seldom found again.
 
+mod around;
 mod classify;
 mod gradient;
 mod light;
 mod normalise;
+mod shaded;
 
 use crate::ends::End;
 use crate::golden;
 use crate::perspective::RayLanes;
 use cube3_frame::{FrameSetup, Geometry, LinearFactor, Normaliser, Shading};
 use cube3_word::{BLOCK_LANES, LaneBlock, Words, block, put_block, vectorised};
-use serde::{Deserialize, Serialize};
 
 pub use crate::perspective::LocalBlock;
+pub use around::{Around, HERE, Neighbour, Neighbours};
 pub use classify::ClassifyLanes;
 pub use gradient::GradientLanes;
 pub(crate) use gradient::reads;
 pub use light::phong_rows;
 pub use normalise::normalise_rows;
+pub use shaded::{ShadedBlock, ShadedRow};
 
 use gradient::neighbours;
 use light::{PhongLanes, ShadingLanes, Towards, lit};
 use normalise::{lengths, normalise};
-
-/// The samples of a block and their 26 neighbours, `[9 w + 3 v + u]`, each index 0 to 2: the samples themselves at
-/// [`HERE`].
-pub type Around = [LaneBlock<i32>; 27];
-
-/// The place of the samples themselves.
-pub const HERE: usize = 13;
-
-/// A row of shaded samples; see [`golden::Shaded`].
-#[derive(Clone, Debug, Default)]
-pub struct ShadedRow {
-    /// 1 where the sample takes part, 0 where not. Set before, cleared where a sample is outside of the threshold.
-    pub present: Vec<u8>,
-    /// Opacity.
-    pub opacity: Vec<u32>,
-    /// Red, green, blue; 0 where the opacity is.
-    pub colour: [Vec<u32>; 3],
-    /// The first lane with an opacity above 0, and one past the last; beyond them opacity and colour are 0.
-    pub span: (usize, usize),
-    /// Saturated words.
-    pub overflows: u64,
-    /// Lanes whose opacity is that of an end of a ray, in order. Set before.
-    pub ends: Vec<End>,
-}
-
-/// A block of shaded samples: a word for each part of [`golden::Shaded`] and lane. Each row is a line of the cache.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[repr(C, align(64))]
-pub struct ShadedBlock {
-    /// 1 where the sample takes part, 0 where not. To be shaded, where it is in the volume.
-    pub present: LaneBlock<u32>,
-    /// Sample words.
-    pub samples: LaneBlock<i32>,
-    /// Opacity.
-    pub opacity: LaneBlock<u32>,
-    /// Red, green, blue; 0 where the opacity is.
-    pub colour: [LaneBlock<u32>; 3],
-}
-
-impl ShadedBlock {
-    /// The sample of a lane.
-    #[inline]
-    pub fn at(&self, lane: usize) -> golden::Shaded {
-        golden::Shaded {
-            present: self.present[lane] != 0,
-            sample: self.samples[lane],
-            opacity: self.opacity[lane],
-            colour: [self.colour[0][lane], self.colour[1][lane], self.colour[2][lane]],
-        }
-    }
-
-    /// Puts a sample into a lane.
-    pub(crate) fn put(&mut self, lane: usize, shaded: &golden::Shaded) {
-        self.present[lane] = shaded.present.into();
-        self.samples[lane] = shaded.sample;
-        self.opacity[lane] = shaded.opacity;
-        self.colour.iter_mut().zip(shaded.colour).for_each(|(row, word)| row[lane] = word);
-    }
-}
 
 /// The ABC unit's lanes for the registers of a frame.
 #[derive(Clone, Debug)]
@@ -106,22 +50,6 @@ pub struct AbcLanes {
     ends: Vec<End>,
     stages: Stages,
 }
-
-/// A neighbour of a sample: its place in [`Around`], and its indices, each 0 to 2.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Neighbour {
-    /// `9 w + 3 v + u`.
-    pub place: usize,
-    /// Along the ray.
-    pub w: usize,
-    /// From plane to plane.
-    pub v: usize,
-    /// From ray to ray.
-    pub u: usize,
-}
-
-/// Neighbours that are gathered together, so that the loop over their lanes is a long one. The last ones of a list may be the same.
-pub type Neighbours = [Neighbour; 4];
 
 /// Blocks between the stages, each of them a line of the cache.
 #[derive(Clone, Debug)]
@@ -464,13 +392,6 @@ impl AbcLanes {
 #[inline(always)]
 fn any(words: &LaneBlock<u32>) -> bool {
     words.iter().fold(0, |any, word| any | word) != 0
-}
-
-/// A row, block by block.
-fn blocks<const N: usize>(rows: &[Vec<i32>; N], mut each: impl FnMut(usize, [LaneBlock<i32>; N])) {
-    for from in (0..rows[0].len()).step_by(BLOCK_LANES) {
-        each(from, rows.each_ref().map(|row| block(row, from)));
-    }
 }
 
 #[cfg(test)]

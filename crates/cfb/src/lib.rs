@@ -9,8 +9,10 @@ pub mod golden;
 mod lanes;
 pub mod memory;
 mod port;
+mod scan;
 mod unit;
 
 pub use lanes::{FrameBuffer, FrameBufferError};
 pub use port::{AcquisitionPort, PortSpec};
-pub use unit::{Beam, CfbSpec, CfbUnit, Fetch, NoVoxels, Piece, VoxelBeam, scan};
+pub use scan::{CfbSpec, Piece, scan};
+pub use unit::{Beam, CfbUnit, Fetch, NoVoxels, VoxelBeam};

@@ -70,7 +70,7 @@ pub enum Error {
     #[error("--fidelity function has no cycles to trace, save or resume; give --fidelity timing, both or cycle")]
     NoCycles,
     /// A sequence of no frames.
-    #[error("--frames 0: give 1 to {}", crate::sequence::MOST_FRAMES)]
+    #[error("--frames 0: give 1 to {}", crate::options::MOST_FRAMES)]
     NoFrames,
     /// Volumes that change under the frames of an eye.
     #[error(

@@ -2,6 +2,9 @@
 
 use cube3_method::{Choice, IMAGE_ORDER};
 
+/// Most frames of a sequence.
+pub const MOST_FRAMES: usize = 100_000;
+
 /// Which runs are made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Runs {

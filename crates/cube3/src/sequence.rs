@@ -12,6 +12,7 @@
 
 use crate::machine_run::{MachineRun, function};
 use crate::notes::Findings;
+pub use crate::options::MOST_FRAMES;
 use crate::options::Runs;
 use crate::pictures::{Pictures, frame_errors, measure, show};
 use crate::reporting::{Asked, Found};
@@ -29,9 +30,6 @@ use cube3_report::{AcquisitionReport, DigestReport, FrameReport, NO_OBJECT, Sequ
 use cube3_scene::Scene;
 use std::sync::Arc;
 use std::time::Instant;
-
-/// Most frames of a sequence.
-pub const MOST_FRAMES: usize = 100_000;
 
 /// Slowest and fastest playback, in frames per second: browsers hold a frame for a hundredth of a second at least.
 const PLAYBACK_FPS: [f64; 2] = [1.0, 30.0];

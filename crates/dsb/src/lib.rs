@@ -7,6 +7,7 @@
 //! beams are written, rays are read, both without conflicts. Where lanes are on several boards, words of beams and rays queue at the
 //! links between them. Pfister et al. 1995, sections 2 and 5.
 
+mod board_spec;
 mod boards;
 pub mod bus;
 pub mod golden;
@@ -14,7 +15,8 @@ mod lanes;
 mod links;
 mod unit;
 
-pub use boards::{BoardSpec, LinkWords};
+pub use board_spec::BoardSpec;
+pub use boards::LinkWords;
 pub use lanes::{PlaneStore, Rotator};
 pub use links::{LinkReading, Links};
 pub use unit::{DsbSpec, DsbUnit, NoPlanes, RayPair, RayVoxels, Store};

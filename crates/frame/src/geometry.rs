@@ -1,6 +1,7 @@
 //! The geometry of a frame: discrete rays, ray slots, and which samples lie in the volume.
 
-use crate::perspective::{PLACE_BITS, PerspectivePass};
+use crate::bits::PLACE_BITS;
+use crate::perspective::PerspectivePass;
 use crate::{Axes, Linear, SLOPE_FRACTION_BITS, Template};
 use cube3_machine::{RaySlots, TemplateRule};
 use cube3_word::Probe;

@@ -6,13 +6,16 @@
 
 mod axes;
 mod base_plane;
+mod bits;
 mod check;
 mod coverage;
 mod ends;
 mod fan;
 mod geometry;
 mod golden;
+mod linear;
 mod overflows;
+mod pass_geometry;
 mod perspective;
 mod registers;
 mod sample_bounds;
@@ -21,18 +24,20 @@ mod template;
 
 pub use axes::Axes;
 pub use base_plane::BasePlane;
+pub use bits::{LARGEST_SIDE, PLACE_BITS, SLOPE_FRACTION_BITS};
 pub use check::{SetupError, SetupFileError};
 pub use coverage::RayCoverage;
 pub use ends::EndRegisters;
 pub use fan::{Fan, FanShape};
 pub use geometry::{DiscreteRay, Geometry};
 pub use golden::largest_offset;
+pub use linear::{HalfSpace, Linear, LinearFactor};
 pub use overflows::Overflows;
-pub use perspective::{PLACE_BITS, PassShape, PerspectivePass};
+pub use perspective::{PassShape, PerspectivePass};
 pub use registers::{
-    Classification, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, HalfSpace, Linear,
-    LinearFactor, Normaliser, Phong, PhongLight, RayRegisters, ReflectanceTable, Shading,
+    Classification, ConeRegisters, FrameSetup, GradientRegisters, GradientRows, GradientScale, Normaliser, Phong,
+    PhongLight, RayRegisters, ReflectanceTable, Shading,
 };
 pub use sample_bounds::{BESIDE, RayStretches, SampleBounds};
 pub use schedule::{Bands, BeamPlace, FrameShape, RayPlace, Schedule, Sections, ShadingOrder};
-pub use template::{LARGEST_SIDE, SLOPE_FRACTION_BITS, Template, slope_register};
+pub use template::{Template, slope_register};

@@ -1,9 +1,8 @@
 //! `FrameSetup`: what a driver writes into the machine's registers and tables. Nothing else enters the machine.
 
-use crate::perspective::PLACE_BITS;
-use crate::{EndRegisters, Geometry, Schedule, ShadingOrder};
+use crate::{EndRegisters, Geometry, HalfSpace, LinearFactor, Schedule, ShadingOrder};
 use cube3_machine::{ConeOrder, GradientMethod, Reuse};
-use cube3_scene::{MOST_CUTS, Mode};
+use cube3_scene::Mode;
 use cube3_word::Words;
 use serde::{Deserialize, Serialize};
 
@@ -109,62 +108,6 @@ impl RayRegisters {
     pub const CLASS_SHIFT: u32 = 12;
     /// Most classes of step lengths.
     pub const MOST_CLASSES: u32 = 16;
-}
-
-/// A linear function of ray and depth, `a·u + b·v + c·k + d`, in fixed point; in perspective of the place u, v, w in the volume.
-///
-/// [`Geometry::evaluate`] gives its value at a sample of either.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Linear {
-    /// Step from a ray to the next along u.
-    pub u: i64,
-    /// Step along v.
-    pub v: i64,
-    /// Step along the ray.
-    pub k: i64,
-    /// Value at ray (0, 0), sample 0.
-    pub constant: i64,
-}
-
-impl Linear {
-    /// Largest step of a parallel frame, either way: sums over any volume stay within 64 bits.
-    pub const STEEPEST: i64 = 1 << 46;
-    /// Largest step of a perspective frame, whose places have [`PLACE_BITS`] more bits than rays and depths.
-    pub const STEEPEST_BY_PLACE: i64 = 1 << (48 - PLACE_BITS);
-    /// Largest constant, either way. A plane farther away than this decides nothing.
-    pub const FARTHEST: i64 = 1 << 60;
-}
-
-/// Samples where the function is 0 or more are kept. Fractions of [`HalfSpace::FRACTION_BITS`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct HalfSpace {
-    /// Signed distance from the plane, in voxels.
-    pub distance: Linear,
-}
-
-impl HalfSpace {
-    /// Fraction bits of the distance.
-    pub const FRACTION_BITS: u32 = 32;
-    /// Most half-spaces of a frame: those of the cuts, and the six faces of the crop box.
-    pub const MOST: usize = MOST_CUTS + 6;
-}
-
-/// A factor 0 to 1, a fraction of [`LinearFactor::FRACTION_BITS`] of which the unit uses the leading
-/// [`LinearFactor::WORD_BITS`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LinearFactor {
-    /// The factor before it is clamped to 0..1.
-    pub factor: Linear,
-}
-
-impl LinearFactor {
-    /// Fraction bits of the linear function.
-    pub const FRACTION_BITS: u32 = 28;
-    /// Fraction bits of the factor that multiplies.
-    pub const WORD_BITS: u32 = 12;
 }
 
 /// The classification tables.

@@ -1,14 +1,9 @@
 //! Templates: the steps of the discrete rays and the weights between them, in exact integers.
 
-use crate::golden;
+use crate::SLOPE_FRACTION_BITS;
+use crate::golden::template::{column, weight};
 use cube3_machine::TemplateRule;
 use serde::{Deserialize, Serialize};
-
-/// Most voxels along an axis: what slope and template registers are exact for.
-pub const LARGEST_SIDE: usize = 4096;
-
-/// Fraction bits of a slope register. 17 suffice for n = 512; these are exact for every side that the host takes (4096).
-pub const SLOPE_FRACTION_BITS: u32 = 30;
 
 /// One axis of a parallel view: the column of each plane and the weight of each sample.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -28,8 +23,8 @@ pub fn slope_register(slope: f64) -> u32 {
 impl Template {
     /// The template of one axis with `depth` planes. `slope` is a register, `offset` a fraction of `weight_bits`.
     pub fn new(rule: TemplateRule, slope: u32, offset: u32, weight_bits: u32, depth: usize) -> Template {
-        let columns = (0..=depth).map(|k| golden::column(rule, slope, offset, weight_bits, k)).collect();
-        let weights = (0..depth).map(|k| golden::weight(rule, slope, offset, weight_bits, k)).collect();
+        let columns = (0..=depth).map(|k| column(rule, slope, offset, weight_bits, k)).collect();
+        let weights = (0..depth).map(|k| weight(rule, slope, offset, weight_bits, k)).collect();
         Template { columns, weights }
     }
 
@@ -42,7 +37,7 @@ impl Template {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::golden::exact_weight;
+    use crate::golden::template::exact_weight;
     use crate::largest_offset;
     use cube3_cases::cases;
     use proptest::prelude::*;

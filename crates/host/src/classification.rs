@@ -2,7 +2,7 @@
 
 use crate::VolumeInfo;
 use crate::golden::{self, Basis, StepLengths};
-use crate::setup::{corrects_opacity, in_frame};
+use crate::in_frame::{corrects_opacity, in_frame};
 use cube3_frame::{Classification, FrameSetup, GradientRows};
 use cube3_machine::MachineSpec;
 use cube3_scene::Scene;

@@ -1,27 +1,16 @@
 //! Makes the `FrameSetup`: scene and machine in, registers and tables out.
 
 use crate::golden::{self, Basis, StepLengths, gradient_scale, is_unity, neutral_cue, sum_weight, whole_step_opacity};
-use crate::{OpacityEntries, canonical, classification, ends, shading};
+use crate::in_frame::{corrects_opacity, in_frame};
+use crate::{OpacityEntries, VolumeInfo, canonical, classification, ends, shading};
 use cube3_frame::{
     ConeRegisters, EndRegisters, FrameSetup, Geometry, GradientRegisters, HalfSpace, LARGEST_SIDE, Normaliser,
     RayRegisters, largest_offset, slope_register,
 };
-use cube3_machine::{Abc, BusKind, Differences, GradientMethod, MachineSpec, ShadingUnit, TemplateRule};
+use cube3_machine::{BusKind, Differences, GradientMethod, MachineSpec, ShadingUnit, TemplateRule};
 use cube3_plan::{Item, Needs, Plan, Presence, Rule, Rules};
-use cube3_scene::{Mode, Scene, SceneError, ViewFrame};
+use cube3_scene::{Scene, SceneError, ViewFrame};
 use cube3_word::{quantise_fraction, quantise_unit};
-use std::borrow::Cow;
-
-/// What the host needs to know of a volume.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VolumeInfo {
-    /// Voxels along x, y, z: 1 to [`LARGEST_SIDE`] each.
-    pub dims: [usize; 3],
-    /// Size of a voxel along x, y, z.
-    pub spacing: [f64; 3],
-    /// Data values of voxel word 0 and of the largest word.
-    pub window: [f64; 2],
-}
 
 /// Largest ratio of the sides of a voxel, and the range of a side.
 pub const LARGEST_RATIO: f64 = 1e6;
@@ -200,32 +189,6 @@ fn check_tables(scene: &Scene, machine: &MachineSpec, classes: u32, remedy: &'st
     Ok(())
 }
 
-/// Whether opacities are corrected to the length of a step.
-pub(crate) fn corrects_opacity(scene: &Scene) -> bool {
-    scene.mode == Mode::Composite && scene.transfer.opacity_correction
-}
-
-/// Rays that are no farther apart than this anywhere, in voxels, are near throughout.
-const NEAR_SPACING: f64 = 2.0;
-
-/// The machine as a frame uses it: where rays share columns, a ray moves by more than a ray from plane to plane, and the four samples of
-/// estimator 12 are too near. Two multiplications do it: of 26d, whose nine differences for each component bear near samples best, or of
-/// 6d where rays are also far apart, and sums over them would smooth too much.
-pub(crate) fn in_frame<'a>(machine: &'a MachineSpec, geometry: &Geometry) -> Cow<'a, MachineSpec> {
-    let Some(pass) = &geometry.perspective else {
-        return Cow::Borrowed(machine);
-    };
-    let back = pass.spacing_at(geometry.size[2] as i64 - 1, geometry.offset, geometry.weight_bits);
-    let gradient = match machine.abc.gradient {
-        GradientMethod::Twelve if pass.doubled && back <= NEAR_SPACING => GradientMethod::TwentySixSheared,
-        GradientMethod::Twelve if pass.doubled => GradientMethod::SixSheared,
-        // Nothing reads the gradient, or it would have been refused.
-        method if method.row().needs_parallel_rays() => GradientMethod::SixSheared,
-        method => method,
-    };
-    Cow::Owned(MachineSpec { abc: Abc { gradient, ..machine.abc }, ..machine.clone() })
-}
-
 /// All registers and tables for a geometry, of the parts that the plan gives the frame.
 pub(crate) fn registers(
     scene: &Scene,
@@ -372,7 +335,7 @@ mod tests {
     use super::*;
     use cube3_frame::Axes;
     use cube3_machine::Bus;
-    use cube3_scene::smallest_spacing;
+    use cube3_scene::{Mode, smallest_spacing};
     use cube3_word::Words;
 
     #[test]

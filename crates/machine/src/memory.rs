@@ -2,7 +2,7 @@
 //!
 //! A module is a row of data. The controller in `cube3_cfb` knows commands and constraints, and no module by name.
 
-use crate::{BurstOrder, Cfb, LookAheadFreed, LookAheadUnit, MemoryType};
+use crate::{BurstOrder, Cfb, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryType};
 use strum::VariantArray;
 
 /// What a module is told to do.
@@ -407,10 +407,16 @@ impl MemoryModel {
     }
 }
 
+impl MachineSpec {
+    /// Clock of the memory modules in hertz.
+    pub fn memory_clock_hz(&self) -> f64 {
+        self.cfb.memory_clock_hz.or(MemoryModel::of(self.cfb.memory).clock_hz).unwrap_or(self.clock_hz)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::MachineSpec;
 
     #[test]
     fn the_table_has_every_type_in_its_place_and_powers_of_two() {

@@ -2,7 +2,7 @@
 
 use crate::{
     AcquisitionMode, BankHash, BurstOrder, BusKind, ConeKind, ControllerKind, GradientMethod, Layout, LookAheadFreed,
-    LookAheadUnit, MemoryModel, MemoryType, RayEnds, RaySlots, Reuse, ShadingUnit, TemplateRule,
+    LookAheadUnit, MemoryType, RayEnds, RaySlots, Reuse, ShadingUnit, TemplateRule,
 };
 use cube3_word::Words;
 use serde::{Deserialize, Serialize};
@@ -374,10 +374,5 @@ impl MachineSpec {
         self.abc.power_bits = self.abc.power_bits.min(words.normal_bits - 1);
         self.abc.root_bits = self.abc.root_bits.min(2 * (words.normal_bits - 1));
         self
-    }
-
-    /// Clock of the memory modules in hertz.
-    pub fn memory_clock_hz(&self) -> f64 {
-        self.cfb.memory_clock_hz.or(MemoryModel::of(self.cfb.memory).clock_hz).unwrap_or(self.clock_hz)
     }
 }

@@ -3,9 +3,10 @@
 use cube3_machine::OperatorCounts;
 use cube3_metrics::ImageError;
 
+use crate::error::finite;
 use crate::{
-    ChannelReport, ErrorReport, OpacityReport, ReportError, ResourcesReport, RunReport, SCHEMA, TimingReport,
-    TrafficReport, UnitReport, measures,
+    ChannelReport, ErrorReport, OpacityReport, ReportError, ResourcesReport, RunReport, SCHEMA, SequenceReport,
+    TimingReport, TrafficReport, UnitReport, measures,
 };
 
 /// How far two ways to compute one number may differ, relative to it.
@@ -240,8 +241,29 @@ impl ChannelReport {
     }
 }
 
-pub(crate) fn finite(key: &str, value: f64) -> Result<(), ReportError> {
-    if value.is_finite() { Ok(()) } else { Err(ReportError::NotFinite { key: key.into(), value }) }
+impl SequenceReport {
+    /// What holds in every sequence: frames follow each other without gap, shares are shares, and what is torn shows two volumes.
+    pub(crate) fn check(&self, report: &RunReport) -> Result<(), ReportError> {
+        let same = |key, found: f64, expected: f64| {
+            if found == expected { Ok(()) } else { Err(ReportError::Inconsistent { key, found, expected }) }
+        };
+        if let Some(timing) = &report.timing {
+            same("timing.frames", timing.frames as f64, self.frames.len() as f64)?;
+            let mut end = 0;
+            for frame in &self.frames {
+                end += frame.cycles.unwrap_or_default();
+                same("sequence.frames[].end_cycle", frame.end_cycle.unwrap_or_default() as f64, end as f64)?;
+            }
+            same("timing.cycles", timing.cycles as f64, end as f64)?;
+        }
+        for frame in &self.frames {
+            same("sequence.frames[].torn", frame.torn.into(), (frame.newest_volume > frame.volume).into())?;
+            same("sequence.frames[].newer_fraction", frame.torn.into(), (frame.newer_fraction > 0.0).into())?;
+        }
+        let torn = self.frames.iter().filter(|frame| frame.torn).count();
+        let expected = self.acquisition.as_ref().map_or(0, |acquisition| acquisition.torn_frames);
+        same("sequence.acquisition.torn_frames", torn as f64, expected as f64)
+    }
 }
 
 fn finite_error(key: &str, error: &ImageError) -> Result<(), ReportError> {

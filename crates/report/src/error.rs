@@ -94,3 +94,8 @@ pub enum ReportError {
     #[error("the report cannot be written: {0}")]
     Io(#[from] std::io::Error),
 }
+
+/// A number that must be finite.
+pub(crate) fn finite(key: &str, value: f64) -> Result<(), ReportError> {
+    if value.is_finite() { Ok(()) } else { Err(ReportError::NotFinite { key: key.into(), value }) }
+}

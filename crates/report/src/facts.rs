@@ -4,14 +4,12 @@ use cube3_metrics::ImageError;
 use serde_json::Value;
 
 use crate::command_line::command_line;
+use crate::fact::Fact;
 use crate::quantity::{count, number, percentage, prefixed, sizes};
 use crate::{
     AxesReport, ErrorReport, OpacityReport, PassReport, ResourcesReport, RunReport, SidesReport, TimingReport,
     TrafficReport, UnitReport, WallReport,
 };
-
-/// What is said, and its value.
-pub(crate) type Fact = (&'static str, String);
 
 /// What the host made of what was asked for, and by what the report was written.
 pub(crate) fn derived(report: &RunReport) -> Vec<Fact> {

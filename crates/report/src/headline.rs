@@ -4,7 +4,7 @@ use cube3_metrics::ImageError;
 use maud::{Markup, html};
 
 use crate::RunReport;
-use crate::facts::Fact;
+use crate::fact::Fact;
 use crate::quantity::{number, percentage};
 
 /// Levels of a channel of an 8-bit display above black.

@@ -5,7 +5,8 @@ use serde_json::Value;
 
 use crate::bars::bars;
 use crate::drawing::drawing;
-use crate::facts::{self, CycleKind, Fact};
+use crate::fact::listed;
+use crate::facts::{self, CycleKind};
 use crate::glossary::glossary;
 use crate::headline::headline;
 use crate::pictures::{Figure, pictures, sequence};
@@ -387,12 +388,6 @@ fn digests(digest: &DigestReport) -> Markup {
                 }
             }
         }
-    }
-}
-
-pub(crate) fn listed(facts: &[Fact]) -> Markup {
-    html! {
-        dl.facts { @for (what, value) in facts { div { dt { (what) } dd { (value) } } } }
     }
 }
 

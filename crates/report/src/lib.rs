@@ -16,6 +16,7 @@ mod command_line;
 mod digest;
 mod drawing;
 mod error;
+mod fact;
 mod facts;
 mod glossary;
 mod headline;
@@ -38,7 +39,7 @@ mod topology;
 
 pub use self::png::{png_rgb8, to_rgb8};
 pub use adapters::{axes_report, channel_reports, left_out, traffic_report, unit_reports, view_report};
-pub use digest::sha256_hex;
+pub use digest::{DigestReport, sha256_hex};
 pub use error::ReportError;
 pub use html::html;
 pub use json::{from_json, to_json, write_json};
@@ -51,9 +52,9 @@ pub use resources_report::{
     ReorderTraffic, ResourcesReport, TrafficReport,
 };
 pub use run_report::{
-    AxesReport, ChannelReport, DigestReport, ErrorReport, FootprintError, LeftOut, NO_OBJECT, PassReport,
-    PerspectiveReport, PlanReport, Program, ReferenceError, RunReport, SCHEMA, SidesReport, SourcesReport,
-    TimingCounts, TimingReport, UnitReport, ViewReport, VolumeReport, WallReport, WordsReport,
+    AxesReport, ChannelReport, ErrorReport, FootprintError, LeftOut, NO_OBJECT, PassReport, PerspectiveReport,
+    PlanReport, Program, ReferenceError, RunReport, SCHEMA, SidesReport, SourcesReport, TimingCounts, TimingReport,
+    UnitReport, ViewReport, VolumeReport, WallReport, WordsReport,
 };
 pub use savings::SavingsReport;
 pub use schema::JSON_SCHEMA;

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::ReportError;
-use crate::check::finite;
-use crate::facts::Fact;
+use crate::error::finite;
+use crate::fact::Fact;
 use crate::quantity::{number, percentage};
 
 /// The opacities of the machine's table against those of the scene, both corrected to the same step length, for the words that

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, html};
 
 use crate::SequenceReport;
-use crate::html::listed;
+use crate::fact::listed;
 use crate::png::png_size;
 use crate::quantity::{count, percentage};
 

@@ -6,7 +6,9 @@ use cube3_metrics::{ImageComparison, ImageError};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::{LimitsReport, OpacityReport, ResourcesReport, SavingsReport, SequenceReport, TrafficReport, measures};
+use crate::{
+    DigestReport, LimitsReport, OpacityReport, ResourcesReport, SavingsReport, SequenceReport, TrafficReport, measures,
+};
 
 /// The number of the present layout. It rises when a key changes its meaning or goes away.
 pub const SCHEMA: u32 = 2;
@@ -445,15 +447,6 @@ impl ErrorReport {
             reference: None,
         }
     }
-}
-
-/// SHA-256 of the raw pixels, 64 lower-case hexadecimal digits. Absent where there is no picture.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct DigestReport {
-    /// Of the base plane.
-    pub base_plane: Option<String>,
-    /// Of the warped image.
-    pub image: Option<String>,
 }
 
 /// How long the simulation took on this computer, in seconds. Absent where not run.

@@ -3,7 +3,8 @@
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, ContentArrangement, Table};
 
-use crate::facts::{self, CycleKind, CycleShare, Fact};
+use crate::fact::Fact;
+use crate::facts::{self, CycleKind, CycleShare};
 use crate::quantity::{count, number};
 use crate::shares::percent;
 use crate::{ErrorReport, LeftOut, RunReport, UnitReport, headline};

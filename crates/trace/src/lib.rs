@@ -8,6 +8,7 @@
 
 #![warn(missing_docs)]
 
+mod formats;
 mod fst;
 mod kanata;
 mod perfetto;

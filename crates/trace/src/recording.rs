@@ -1,9 +1,8 @@
 //! The event stream: packed while the machine runs, unpacked cycle by cycle afterwards.
 
-use crate::{fst, kanata, perfetto};
 use cube3_channel::{Account, Activity, Deadlock};
 use cube3_pipeline::{CHANNELS, Fidelity, Joint, Machine, Token, UNITS};
-use cube3_waveform::{Waveform, WaveformError};
+use cube3_waveform::WaveformError;
 use std::collections::VecDeque;
 use std::path::Path;
 
@@ -368,25 +367,5 @@ impl Recording {
             see(&events)?;
         }
         Ok(())
-    }
-
-    /// The recording as a waveform.
-    ///
-    /// # Errors
-    /// A waveform that cannot be written.
-    pub fn waveform(&self) -> Result<Waveform, TraceError> {
-        fst::write(self)
-    }
-
-    /// The recording as a file of a format.
-    ///
-    /// # Errors
-    /// A waveform that cannot be written.
-    pub fn write(&self, format: TraceFormat) -> Result<Vec<u8>, TraceError> {
-        Ok(match format {
-            TraceFormat::Fst => self.waveform()?.fst,
-            TraceFormat::Kanata => kanata::write(self).into_bytes(),
-            TraceFormat::Perfetto => perfetto::write(self).into_bytes(),
-        })
     }
 }

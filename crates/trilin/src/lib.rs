@@ -9,7 +9,9 @@
 mod datapath;
 pub mod golden;
 pub mod lanes;
+mod ray_samples;
 mod unit;
 
-pub use datapath::{Interpolator, RaySamples, SampleBlock};
+pub use datapath::Interpolator;
+pub use ray_samples::{RaySamples, SampleBlock};
 pub use unit::{Interpolate, NoSamples, SampleRay, TrilinUnit};

@@ -4,6 +4,16 @@ use crate::expression::ExpressionError;
 use crate::{Port, Sheet, UnitFormat, bits_of};
 use std::fmt::Write;
 
+impl Sheet {
+    /// The sheet as a section of a page, with widths and ranges also as numbers in a format.
+    ///
+    /// # Errors
+    /// An expression of the sheet without a value.
+    pub fn markdown(&self, format: &UnitFormat) -> Result<String, ExpressionError> {
+        section(self, format)
+    }
+}
+
 /// An expression as it is printed.
 fn shown(expression: &str) -> String {
     expression.replace('*', "·").replace('-', "−").replace("(M)", "M")
@@ -52,7 +62,7 @@ fn parameters(sheet: &Sheet, format: &UnitFormat) -> String {
 }
 
 /// A sheet with the numbers of a format.
-pub fn section(sheet: &Sheet, format: &UnitFormat) -> Result<String, ExpressionError> {
+fn section(sheet: &Sheet, format: &UnitFormat) -> Result<String, ExpressionError> {
     let mut text = String::new();
     let (module, _) = sheet.rtl();
     let _ = writeln!(text, "## {}\n\n{}\n", sheet.title, sheet.purpose);

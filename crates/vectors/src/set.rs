@@ -1,7 +1,7 @@
-//! Sets of vectors: what their lines have in common, what the definition says to a line, and small sets held in memory.
+//! Sets of vectors: what their lines have in common, and what the definition says to a line.
 
 use crate::expression::ExpressionError;
-use crate::{Coverage, LineField, Lines, Seen, Sheet, Tables, Unit, UnitFormat, WireRecorder};
+use crate::{Device, LineField, Seen, Sheet, Tables, Unit, UnitFormat, WireRecorder};
 
 /// What the lines of a set have in common.
 #[derive(Clone, Debug)]
@@ -43,9 +43,6 @@ impl Set {
     }
 }
 
-/// The outputs of a unit with a memory for the inputs of a cycle, from reset on.
-pub type Device<'a> = Box<dyn FnMut(&[i128]) -> Vec<i128> + 'a>;
-
 /// The definition of a unit, line after line from reset on.
 pub struct UnitDefinition<'a> {
     unit: &'a dyn Unit,
@@ -72,62 +69,5 @@ impl<'a> UnitDefinition<'a> {
     /// What the wires carried in that line; nothing of a unit with a memory.
     pub fn seen(&self) -> &[Seen] {
         self.recorder.seen()
-    }
-}
-
-/// A small set with its lines, in memory.
-#[derive(Clone, Debug)]
-pub struct Vectors {
-    /// What the lines have in common.
-    pub set: Set,
-    /// Input fields of each line.
-    pub inputs: Vec<Vec<i128>>,
-    /// Output fields of each line.
-    pub outputs: Vec<Vec<i128>>,
-}
-
-impl Vectors {
-    /// Lines with these inputs.
-    pub fn of(unit: &dyn Unit, set: Set, inputs: Vec<Vec<i128>>) -> Vectors {
-        let mut definition = UnitDefinition::new(unit, &set);
-        let outputs = inputs.iter().map(|line| definition.answer(line)).collect();
-        drop(definition);
-        Vectors { set, inputs, outputs }
-    }
-
-    /// The first `count` lines of [`Lines`].
-    ///
-    /// # Errors
-    /// An expression of the sheet without a value.
-    pub fn generate(unit: &dyn Unit, format: UnitFormat, count: usize, seed: u64) -> Result<Vectors, ExpressionError> {
-        let set = Set::new(unit, format, seed)?;
-        let inputs = Lines::new(unit, &set)?.take(count).collect();
-        Ok(Vectors::of(unit, set, inputs))
-    }
-
-    /// The directed lines and those for coverage, however many.
-    ///
-    /// # Errors
-    /// An expression of the sheet without a value.
-    pub fn directed(unit: &dyn Unit, format: UnitFormat, seed: u64) -> Result<Vectors, ExpressionError> {
-        let set = Set::new(unit, format, seed)?;
-        let mut lines = Lines::new(unit, &set)?;
-        let inputs = std::iter::from_fn(|| lines.directed()).collect();
-        drop(lines);
-        Ok(Vectors::of(unit, set, inputs))
-    }
-
-    /// What the lines cover.
-    ///
-    /// # Errors
-    /// An expression of the sheet without a value.
-    pub fn coverage(&self, unit: &dyn Unit) -> Result<Coverage, ExpressionError> {
-        let mut coverage = Coverage::new(&self.set.sheet, &self.set.format)?;
-        let mut definition = UnitDefinition::new(unit, &self.set);
-        for inputs in &self.inputs {
-            let outputs = definition.answer(inputs);
-            coverage.see(inputs, definition.seen(), &outputs);
-        }
-        Ok(coverage)
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! Vectors, proofs of range, coverage, test benches and the pages of the book are all made from it.
 
+use crate::UnitFormat;
 use crate::expression::ExpressionError;
-use crate::{UnitFormat, markdown};
 
 /// A port, or a row of ports of one name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -249,14 +249,6 @@ impl Sheet {
             Some((module, parameters)) => (module.into(), parameters),
             None => (format!("cube3_{}", self.name.replace('-', "_")), ""),
         }
-    }
-
-    /// The sheet as a section of a page, with widths and ranges also as numbers in a format.
-    ///
-    /// # Errors
-    /// An expression of the sheet without a value.
-    pub fn markdown(&self, format: &UnitFormat) -> Result<String, ExpressionError> {
-        markdown::section(self, format)
     }
 }
 

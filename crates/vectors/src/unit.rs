@@ -1,7 +1,10 @@
 //! A unit whose arithmetic can be evaluated on the fields of a line.
 
-use crate::{Device, Sheet, UnitFormat};
+use crate::{Sheet, UnitFormat};
 use cube3_word::Probe;
+
+/// The outputs of a unit with a memory for the inputs of a cycle, from reset on.
+pub type Device<'a> = Box<dyn FnMut(&[i128]) -> Vec<i128> + 'a>;
 
 /// The tables of a unit, in the order of its sheet.
 pub type Tables = Vec<Vec<i128>>;

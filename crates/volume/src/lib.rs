@@ -15,21 +15,27 @@
 //! bytes whatever make a reader panic.
 
 mod blocks;
+mod described;
 mod error;
+mod file_info;
 mod files;
 mod format;
+mod layout;
 mod limits;
 mod metaimage;
 mod nifti;
 mod nrrd;
 mod nrrd_axes;
+mod nrrd_header;
 mod open;
 mod parts;
 mod phantom;
 mod place;
 mod raw;
+mod raw_layout;
 mod readable;
 mod resample;
+mod sample_type;
 mod samples;
 mod source;
 mod statistics;
@@ -42,14 +48,16 @@ mod world;
 mod write;
 
 pub use error::{NonFinite, VolumeError};
+pub use file_info::FileInfo;
 pub use format::FileFormat;
 pub use limits::{Memory, MemoryBound, ReadOptions, available_memory, memory_bounds};
-pub use open::{FileInfo, inspect, read, read_bytes};
+pub use open::{inspect, read, read_bytes};
 pub use phantom::{Phantom, PhantomParams};
-pub use raw::{Endian, RawLayout};
+pub use raw_layout::{Endian, RawLayout};
 pub use readable::readable;
 pub use resample::{Filter, NewGrid, ResampleReport, Resampling, resample, resample_bytes};
-pub use samples::{Sample, SampleType, Samples};
+pub use sample_type::SampleType;
+pub use samples::{Sample, Samples};
 pub use statistics::Histogram;
 pub use thickness::thick_dims;
 pub use volume::Volume;

@@ -4,12 +4,12 @@
 //! direction of the first axis, then of the second, then of the third. Where it is missing nothing is known: the document's
 //! meaning of `AnatomicalOrientation` is the opposite of what its writers mean, and its readers pass over it. A fourth axis is a series of volumes.
 
+use crate::described::Described;
 use crate::files::{listed, several};
-use crate::open::Described;
+use crate::layout::{Encoding, Layout, Series, Skip, StoredType};
 use crate::parts::Data;
 use crate::place::Place;
 use crate::source::Source;
-use crate::stream::{Encoding, Layout, Series, Skip, StoredType};
 use crate::text::{Field, HeaderLines, clip};
 use crate::world::{Placed, Space};
 use crate::{SampleType, VolumeError};

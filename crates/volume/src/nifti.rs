@@ -10,11 +10,11 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::open::{Described, is_gz, without_gz};
+use crate::described::Described;
+use crate::layout::{Encoding, Layout, Series, Skip, StoredType};
 use crate::parts::Data;
-use crate::place::Place;
+use crate::place::{Place, is_gz, without_gz};
 use crate::source::{Source, read_full};
-use crate::stream::{Encoding, Layout, Series, Skip, StoredType};
 use crate::world::{Placed, Space};
 use crate::{SampleType, VolumeError};
 

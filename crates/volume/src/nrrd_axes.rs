@@ -1,9 +1,9 @@
 //! What the axes of an NRRD are, and where they lie in the world.
 
 use crate::VolumeError;
-use crate::nrrd::Header;
+use crate::layout::Series;
+use crate::nrrd_header::Header;
 use crate::place::Place;
-use crate::stream::Series;
 use crate::text::{Field, clip};
 use crate::world::{Placed, Space};
 

@@ -7,10 +7,10 @@ use std::path::PathBuf;
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
 use crate::VolumeError;
+use crate::layout::{Encoding, Layout, Skip};
 use crate::place::{Place, open};
 use crate::samples::swap_bytes;
 use crate::source::{GZIP_MAGIC, Left, Source, read_full};
-use crate::stream::{Encoding, Layout, Skip};
 use crate::text::{HexBytes, Numbers, clip};
 
 /// Where the voxel numbers are.

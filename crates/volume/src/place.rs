@@ -104,3 +104,13 @@ pub(crate) fn open(path: &Path, unpack: bool) -> Result<(Source<'static>, Place)
     let source = Source::of_file(file, unpack).map_err(|e| place.io("read", e))?;
     Ok((source, place))
 }
+
+/// Whether a file's name says that it is gzipped as a whole.
+pub(crate) fn is_gz(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gz"))
+}
+
+/// A path with the `.gz` at its end taken away, and the extension before it.
+pub(crate) fn without_gz(path: &Path) -> PathBuf {
+    if is_gz(path) { path.with_extension("") } else { path.to_owned() }
+}

@@ -1,55 +1,14 @@
 //! Bare numbers without a header: the reader must be told what they are.
 
-use strum::{Display, EnumString};
-
+use crate::described::Described;
 use crate::error::show_dims;
-use crate::open::Described;
+use crate::layout::{Encoding, Layout, Series, Skip, StoredType};
 use crate::parts::Data;
 use crate::place::Place;
 use crate::source::{Left, Source};
-use crate::stream::{Encoding, Layout, Series, Skip, StoredType};
 use crate::volume::check_grid;
 use crate::world::Placed;
-use crate::{ReadOptions, SampleType, VolumeError};
-
-/// The order of the bytes of a number.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Display, EnumString)]
-#[strum(serialize_all = "lowercase", parse_err_ty = VolumeError, parse_err_fn = unknown)]
-pub enum Endian {
-    /// The least significant byte comes first.
-    #[default]
-    Little,
-    /// The most significant byte comes first.
-    Big,
-}
-
-fn unknown(name: &str) -> VolumeError {
-    VolumeError::unknown("endian", name, "write little or big")
-}
-
-/// What a raw file holds.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RawLayout {
-    /// Voxels along x, y and z.
-    pub dims: [usize; 3],
-    /// The type of the numbers.
-    pub sample_type: SampleType,
-    /// The order of their bytes.
-    pub endian: Endian,
-    /// Distance between voxel centres along x, y and z.
-    pub spacing: [f64; 3],
-    /// Position of voxel (0, 0, 0).
-    pub origin: [f64; 3],
-    /// Bytes before the first number.
-    pub skip_bytes: u64,
-}
-
-impl RawLayout {
-    /// Little-endian numbers from the first byte, at unit spacing.
-    pub fn new(dims: [usize; 3], sample_type: SampleType) -> Self {
-        Self { dims, sample_type, endian: Endian::Little, spacing: [1.0; 3], origin: [0.0; 3], skip_bytes: 0 }
-    }
-}
+use crate::{Endian, ReadOptions, VolumeError};
 
 /// What the layout says of a raw file. The file's length must be that of the layout, to the byte: with nothing else to go by,
 /// that is the one check of the dimensions.

@@ -1,62 +1,21 @@
 //! The eight numeric types that a voxel can have.
 
 use std::ops::Range;
+use std::str::FromStr;
 
 use bytemuck::allocation::try_zeroed_vec;
 use rayon::prelude::*;
-use strum::{Display, EnumString, IntoStaticStr, VariantArray};
 
-use crate::VolumeError;
+use crate::{SampleType, VolumeError};
 
-/// The type of a volume's samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Display, EnumString, IntoStaticStr, VariantArray)]
-#[strum(serialize_all = "lowercase", parse_err_ty = VolumeError, parse_err_fn = unknown)]
-pub enum SampleType {
-    /// Unsigned, 8 bits.
-    U8,
-    /// Signed, 8 bits.
-    I8,
-    /// Unsigned, 16 bits.
-    U16,
-    /// Signed, 16 bits.
-    I16,
-    /// Unsigned, 32 bits.
-    U32,
-    /// Signed, 32 bits.
-    I32,
-    /// IEEE 754 single precision.
-    F32,
-    /// IEEE 754 double precision.
-    F64,
-}
+impl FromStr for SampleType {
+    type Err = VolumeError;
 
-impl SampleType {
-    /// All eight, in the order of [`Samples`].
-    pub const ALL: [SampleType; SampleType::VARIANTS.len()] = *SampleType::VARIANTS.first_chunk().unwrap();
-
-    /// Size of one sample in bytes.
-    pub fn bytes(self) -> usize {
-        match self {
-            SampleType::U8 | SampleType::I8 => 1,
-            SampleType::U16 | SampleType::I16 => 2,
-            SampleType::U32 | SampleType::I32 | SampleType::F32 => 4,
-            SampleType::F64 => 8,
-        }
+    fn from_str(name: &str) -> Result<Self, VolumeError> {
+        let known = SampleType::ALL.into_iter().find(|known| known.name() == name);
+        let remedy = "write u8, i8, u16, i16, u32, i32, f32 or f64";
+        known.ok_or_else(|| VolumeError::unknown("sample type", name, remedy))
     }
-
-    /// Whether the type can hold NaN and infinities.
-    pub fn is_float(self) -> bool {
-        matches!(self, SampleType::F32 | SampleType::F64)
-    }
-
-    /// The name, as it is read: `u8`, `i8`, … `f64`.
-    pub fn name(self) -> &'static str {
-        self.into()
-    }
-}
-
-fn unknown(name: &str) -> VolumeError {
-    VolumeError::unknown("sample type", name, "write u8, i8, u16, i16, u32, i32, f32 or f64")
 }
 
 /// A number as a file stores it.

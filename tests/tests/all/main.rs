@@ -8,6 +8,7 @@ mod error_bound;
 mod fabric;
 mod fidelity;
 mod fidelity_perspective;
+mod files;
 mod frame_setup;
 mod frames;
 mod golden_breaks;

@@ -1,6 +1,6 @@
 //! Opacity and colour of a block from the tables.
 
-use super::ShadedBlock;
+use super::shaded::ShadedBlock;
 use cube3_frame::Classification;
 use cube3_word::{BLOCK_LANES, LaneBlock};
 use std::sync::Arc;

@@ -1,6 +1,7 @@
 //! Gradients of a block from its neighbourhood, and which neighbours each estimator reads.
 
-use super::{Around, HERE, LocalBlock, Neighbour, Neighbours};
+use super::around::{Around, HERE, Neighbour, Neighbours};
+use crate::perspective::LocalBlock;
 use cube3_frame::{GradientRegisters, GradientScale};
 use cube3_machine::{Differences, GradientMethod};
 use cube3_word::{BLOCK_LANES, LaneBlock, Shift, Words};

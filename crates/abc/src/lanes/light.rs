@@ -1,6 +1,6 @@
 //! Light on a block: Phong's formula, and colours in the light.
 
-use super::blocks;
+use super::around::blocks;
 use cube3_frame::{Phong, PhongLight, ReflectanceTable};
 use cube3_word::{BLOCK_LANES, LaneBlock, Shift, Words, put_block, unit_full, vectorised};
 

@@ -1,6 +1,6 @@
 //! Directions and lengths of gradients, a block at a time.
 
-use super::blocks;
+use super::around::blocks;
 use crate::golden;
 use cube3_frame::Normaliser;
 use cube3_word::{BLOCK_LANES, LaneBlock, Words, put_block, vectorised};

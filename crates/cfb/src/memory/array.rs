@@ -3,7 +3,7 @@
 use super::ticks::Ticks;
 use super::{Chooser, MemoryCounters, Module, Served, Timing, WordPlace};
 use crate::golden::{Placement, Skew};
-use crate::unit::{CfbSpec, Piece, Scan};
+use crate::scan::{CfbSpec, Piece, Scan};
 use cube3_channel::{Activity, ClockDomain};
 use cube3_frame::{FrameSetup, Geometry};
 use cube3_machine::{ControllerKind, LookAheadFreed, LookAheadUnit, MachineSpec, MemoryModel, MemoryType};

@@ -15,7 +15,7 @@ use super::rows::{At, along, number, of_voxels, pair, words_of};
 use super::ticks::Ticks;
 use super::{MemoryCounters, Module, Served, Timing, WordPlace};
 use crate::golden::{Placement, Skew};
-use crate::unit::{CfbSpec, Scan};
+use crate::scan::{CfbSpec, Scan};
 use cube3_channel::{Activity, ClockDomain};
 use cube3_frame::{FrameSetup, Geometry};
 use cube3_machine::{Layout, LookAheadFreed, LookAheadUnit, MachineSpec};

@@ -10,7 +10,7 @@
 //! not brought: mini-blocks across the edge of a section are read once, and kept beside the chip for the next one.
 
 use crate::golden::Placement;
-use crate::unit::{CfbSpec, Piece};
+use crate::scan::{CfbSpec, Piece};
 use cube3_frame::{BeamPlace, Geometry, Schedule};
 use cube3_machine::{LookAheadUnit, MachineSpec, MemoryModel, RaySlots};
 use std::ops::Range;

@@ -2,7 +2,7 @@
 
 use super::rows::At;
 use super::{BlockModules, BlockState, MemoryCounters, MemoryState, Modules, ReorderCounters, ReorderError};
-use crate::unit::{CfbSpec, Piece, Scan};
+use crate::scan::{CfbSpec, Piece, Scan};
 use cube3_channel::Activity;
 use cube3_frame::{FrameSetup, Geometry};
 use cube3_machine::{Layout, MachineSpec};

@@ -1,7 +1,8 @@
 //! The geometry registers: templates and fans follow from slopes, and are made again.
 
 use super::{Checked, absent, choice, fans, follows, length, list_follows, present, range, ranges_at};
-use crate::perspective::{OVERLAP, largest_offset};
+use crate::pass_geometry::largest_offset;
+use crate::perspective::OVERLAP;
 use crate::{FrameSetup, Geometry, LARGEST_SIDE, PerspectivePass, SLOPE_FRACTION_BITS, Template};
 use cube3_machine::RaySlots;
 

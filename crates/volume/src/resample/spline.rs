@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::Filter;
+use super::filter::Filter;
 
 /// The pole of the filter that makes coefficients, √3 − 2.
 const POLE: f64 = -0.267_949_192_431_122_7;
