@@ -1,11 +1,11 @@
 //! The files of a crate, and which use which: no circle may be among them.
 //!
-//! A file that re-exports what another defines (`pub use`) does not use it: names are followed to the file that defines them. Tests may
-//! use what they like.
+//! Names are followed to the file that defines them, through those that only give them on (`pub use`). A file and the folder of its name
+//! are whole and parts: parts may use what the whole has. Tests may use what they like. A method is not followed: it is of its type's file.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::Path;
+use std::path;
 
 /// A module, by its names from the crate's root.
 pub type Module = Vec<String>;
@@ -21,11 +21,16 @@ pub struct Files {
 struct Source {
     /// Items that it defines.
     items: BTreeSet<String>,
-    /// Paths that it imports or names.
-    uses: Vec<Vec<String>>,
-    /// Paths that it gives on under their last name.
-    gives: Vec<Vec<String>>,
+    /// What it imports, and under which name.
+    imports: Vec<Path>,
+    /// What it gives on, and under which name; `*` for all that is there.
+    gives: Vec<Path>,
+    /// Paths and names in its code.
+    names: BTreeSet<Vec<String>>,
 }
+
+/// A path and the name that stands for it.
+type Path = (Vec<String>, String);
 
 /// Characters of names.
 fn is_word(c: char) -> bool {
@@ -58,11 +63,15 @@ fn stripped(text: &str) -> String {
     code
 }
 
-/// The paths of an import: `a::{b, c::d}` is `a::b` and `a::c::d`. New names are left out.
-fn paths(tree: &str) -> Vec<Vec<String>> {
+/// The paths of an import: `a::{b, c::d as e}` is `a::b`, and `a::c::d` under the name `e`.
+fn paths(tree: &str) -> Vec<Path> {
     let Some((front, rest)) = tree.split_once('{') else {
-        let path = tree.split(" as ").next().unwrap_or_default();
-        return vec![path.split("::").map(|name| name.trim().to_owned()).collect()];
+        let (path, name) = tree.split_once(" as ").unwrap_or((tree, ""));
+        let mut path: Vec<String> = path.split("::").map(|name| name.trim().to_owned()).collect();
+        // `a::{self, b}` is `a` itself.
+        path.pop_if(|last| last == "self" && !tree.starts_with("self"));
+        let name = if name.is_empty() { path.last().cloned().unwrap_or_default() } else { name.trim().to_owned() };
+        return vec![(path, name)];
     };
     let inner = rest.rsplit_once('}').map_or(rest, |(inner, _)| inner);
     let (mut parts, mut depth) = (vec![String::new()], 0);
@@ -88,7 +97,8 @@ impl Source {
             let line = before.rfind('\n').map_or(0, |end| end + 1);
             body.push_str(&before[..line]);
             let end = from.find(';').unwrap_or(from.len());
-            let list = if before[line..].trim().starts_with("pub") { &mut source.gives } else { &mut source.uses };
+            let given = before[line..].trim().starts_with("pub");
+            let list = if given { &mut source.gives } else { &mut source.imports };
             list.extend(paths(&from["use ".len()..end].replace('\n', " ")));
             code = &from[end..];
         }
@@ -99,9 +109,7 @@ impl Source {
                 source.items.insert(pair[1].trim_matches(':').to_owned());
             }
         }
-        let own = ["crate::", "super::", "self::"];
-        let named = words.iter().filter(|word| own.iter().any(|start| word.starts_with(start)));
-        source.uses.extend(named.map(|word| word.split("::").map(str::to_owned).collect()));
+        source.names = words.iter().map(|word| word.split("::").map(str::to_owned).collect()).collect();
         source
     }
 }
@@ -120,7 +128,7 @@ impl Files {
     ///
     /// # Errors
     /// A folder or file that cannot be read.
-    pub fn of(folder: &Path) -> std::io::Result<Files> {
+    pub fn of(folder: &path::Path) -> std::io::Result<Files> {
         let mut files = Files::default();
         files.read(folder, &[])?;
         let tests: Vec<Module> =
@@ -129,7 +137,7 @@ impl Files {
         Ok(files)
     }
 
-    fn read(&mut self, folder: &Path, module: &[String]) -> std::io::Result<()> {
+    fn read(&mut self, folder: &path::Path, module: &[String]) -> std::io::Result<()> {
         for entry in fs::read_dir(folder)? {
             let path = entry?.path();
             let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -166,7 +174,7 @@ impl Files {
             _ => return None,
         };
         while let [name, rest @ ..] = path
-            && self.modules.contains_key(&[&at[..], &[name.clone()]].concat())
+            && self.modules.contains_key(&[&at[..], std::slice::from_ref(name)].concat())
         {
             at.push(name.clone());
             path = rest;
@@ -176,15 +184,38 @@ impl Files {
         if source.items.contains(name) || !seen.insert((at.clone(), name.clone())) {
             return Some(at);
         }
-        let given = source.gives.iter().chain(&source.uses).filter(|given| given.last() == Some(name));
-        given.filter_map(|given| self.defines(&at, given, seen)).next().or(Some(at))
+        let given = source.gives.iter().chain(&source.imports);
+        let mut follow = given.filter_map(|(path, given)| match given.as_str() {
+            "*" => {
+                let all = [&path[..path.len() - 1], std::slice::from_ref(name)].concat();
+                let found = self.defines(&at, &all, seen)?;
+                self.modules[&found].items.contains(name).then_some(found)
+            }
+            given if given == name => self.defines(&at, path, seen),
+            _ => None,
+        });
+        follow.next().or(Some(at.clone()))
     }
 
     /// Which module uses which.
     pub fn uses(&self) -> BTreeMap<Module, BTreeSet<Module>> {
         let used = |(module, source): (&Module, &Source)| {
-            let used = source.uses.iter().filter_map(|path| self.defines(module, path, &mut BTreeSet::new()));
-            (module.clone(), used.filter(|used| used != module).collect())
+            let globs: Vec<&[String]> = source
+                .imports
+                .iter()
+                .filter_map(|(path, name)| path.get(..path.len() - 1).filter(|_| name == "*"))
+                .collect();
+            let named = source.names.iter().flat_map(|path| {
+                // A name that was imported stands for its path.
+                let known = source.imports.iter().chain(&source.gives).find(|(_, name)| *name == path[0]);
+                match known {
+                    Some((from, _)) => vec![[from, &path[1..]].concat()],
+                    None => globs.iter().copied().chain([&[][..]]).map(|glob| [glob, path].concat()).collect(),
+                }
+            });
+            let imported = source.imports.iter().map(|(path, _)| path.clone());
+            let used = named.chain(imported).filter_map(|path| self.defines(module, &path, &mut BTreeSet::new()));
+            (module.clone(), used.filter(|used| !module.starts_with(used)).collect())
         };
         self.modules.iter().map(used).collect()
     }

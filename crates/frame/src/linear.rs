@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// A linear function of ray and depth, `a·u + b·v + c·k + d`, in fixed point; in perspective of the place u, v, w in the volume.
 ///
-/// [`Geometry::evaluate`] gives its value at a sample of either.
+/// [`Geometry::evaluate`](crate::Geometry::evaluate) gives its value at a sample of either.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Linear {

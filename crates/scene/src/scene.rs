@@ -31,14 +31,14 @@ pub struct Scene {
     pub transfer: Transfer,
     /// How the material answers to light.
     pub material: Material,
-    /// The lights, at most [`MOST_LIGHTS`]; a file with none has one white light at the eye, and
+    /// The lights, at most [`MOST_LIGHTS`](crate::MOST_LIGHTS); a file with none has one white light at the eye, and
     /// `light = []` means darkness but for ambient light.
     #[serde(rename = "light")]
     pub lights: Vec<Light>,
     /// Darkening with depth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_cue: Option<DepthCue>,
-    /// Planes that cut something away, at most [`MOST_CUTS`].
+    /// Planes that cut something away, at most [`MOST_CUTS`](crate::MOST_CUTS).
     #[serde(rename = "cut", skip_serializing_if = "Vec::is_empty")]
     pub cuts: Vec<Cut>,
     /// A box outside of which nothing is shown.

@@ -1,7 +1,7 @@
 //! Data sheets of the machine's units, golden vectors made from them, and the comparison of a device under test.
 //!
 //! A [`Unit`] is a block of the machine: a [`Sheet`] (ports, tables, every wire with its range) and a way to evaluate its definition
-//! in the unit crates' `golden.rs`. From the sheet come the lines of vectors ([`Lines`]), what they cover ([`Coverage`]), proofs of
+//! in the unit crates' `golden`. From the sheet come the lines of vectors ([`Lines`]), what they cover ([`Coverage`]), proofs of
 //! range ([`ranges`]), test benches and the pages of the book. A device under test answers each line, and [`Comparison`] says where
 //! it is wrong first. Lines stream: none of these holds more than a few.
 

@@ -34,6 +34,9 @@ fn blocks([nx, ny, nz]: [usize; 3], most: usize) -> impl Iterator<Item = Block> 
     })
 }
 
+/// Takes a block and its numbers.
+type Put<'a> = &'a mut dyn FnMut(&Block, &[u8]) -> Result<(), VolumeError>;
+
 /// How a grid is read in blocks.
 pub(crate) struct Blocks {
     /// Voxels along the stored axes, fastest first.
@@ -49,12 +52,12 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    /// Gives each block to `put` with its numbers, which lie as 8-byte numbers do; `no_room` is the error where so many bytes cannot be had.
+    /// Gives each block to `put` with its numbers, which are aligned for numbers of 8 bytes; `no_room` is the error where so many bytes cannot be had.
     pub fn read(
         &self,
         mut parts: Parts,
         no_room: &dyn Fn(usize) -> VolumeError,
-        put: &mut dyn FnMut(&Block, &[u8]) -> Result<(), VolumeError>,
+        put: Put<'_>,
     ) -> Result<(), VolumeError> {
         let most = self.bytes / self.size / self.volumes;
         let all = || blocks(self.dims, most);

@@ -123,9 +123,10 @@ impl<'a> Parts<'a> {
         Ok(())
     }
 
-    /// Fills `bytes` with numbers of the stored type, in this machine's byte order.
+    /// Fills `bytes`, which are those of whole numbers of the stored type, in this machine's byte order.
     pub fn fill(&mut self, bytes: &mut [u8]) -> Result<(), VolumeError> {
         let size = self.layout.stored.bytes();
+        debug_assert!(bytes.len().is_multiple_of(size), "whole numbers");
         let mut filled = 0;
         while filled < bytes.len() {
             if self.left == 0 {

@@ -14,6 +14,8 @@ mod separable;
 mod spline;
 mod straight;
 
+use bytemuck::allocation::try_zeroed_vec;
+
 use crate::error::show_dims;
 use crate::samples::with_type;
 use crate::{FileInfo, ReadOptions, Sample, SampleType, Samples, Space, Volume, VolumeError, World, thick_dims};
@@ -282,9 +284,8 @@ fn samples(count: usize, dims: [usize; 3], sample_type: SampleType) -> Result<Sa
 
 /// Room for so many numbers of double precision.
 fn reals(count: usize, dims: [usize; 3]) -> Result<Vec<f64>, VolumeError> {
-    let mut reals = crate::limits::reserve(count, dims, SampleType::F64, WHAT)?;
-    reals.resize(count, 0.0);
-    Ok(reals)
+    let needed = (count as u64).saturating_mul(size_of::<f64>() as u64);
+    try_zeroed_vec(count).map_err(|_| crate::limits::no_room(WHAT, dims, SampleType::F64, needed))
 }
 
 /// Values as samples of a type, whose bytes they become; how many were beyond its range.

@@ -1,4 +1,4 @@
-//! The eight numeric types that a voxel can have.
+//! Samples of the eight numeric types that a voxel can have: their bytes, and their places in chunks.
 
 use std::ops::Range;
 use std::str::FromStr;
@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::{SampleType, VolumeError};
 
+// Not beside the type: errors have types in them.
 impl FromStr for SampleType {
     type Err = VolumeError;
 

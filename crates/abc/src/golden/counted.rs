@@ -3,7 +3,7 @@
 use cube3_word::Probe;
 
 /// The sample and its 26 neighbours, `[w][v][u]` with the sample itself at `[1][1][1]`: w along the ray, v from
-/// plane to plane, u from ray to ray, in near frames [`FrameSetup::reach`] of them away. Samples beyond the volume are the border word.
+/// plane to plane, u from ray to ray, in near frames [`FrameSetup::reach`](cube3_frame::FrameSetup::reach) of them away. Samples beyond the volume are the border word.
 pub type Neighbourhood = [[[i32; 3]; 3]; 3];
 
 /// Something with the number of words that overflowed and were saturated on the way.

@@ -1,3 +1,5 @@
+//! A channel beside its definition.
+
 use super::*;
 use cube3_cases::cases;
 use proptest::prelude::*;

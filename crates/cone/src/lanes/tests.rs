@@ -1,3 +1,5 @@
+//! Lanes of a slot beside the definition.
+
 use super::slot::SlotLanes;
 use crate::golden::{Node, leaf, pixel, reduce};
 use cube3_abc::ShadedSamples;

@@ -26,14 +26,16 @@ fn against_sheared(perspective: Option<Perspective>) -> ([usize; 2], Result<cube
         pictures += 1;
         Ok(())
     };
-    let watch = |_: &'static str, _: u64, _: u64| drop(steps.fetch_add(1, Ordering::Relaxed));
+    let watch = |_: &'static str, _: u64, _: u64| {
+        steps.fetch_add(1, Ordering::Relaxed);
+    };
     let result = run_sequence(&scene, &machine, &mut series, 2, &options, &mut take, &watch);
     ([pictures, steps.into_inner()], result)
 }
 
 #[test]
 fn a_reference_that_cannot_show_the_scene_is_refused_before_the_clock_runs() {
-    let (seen, result) = against_sheared(Some(Perspective::default()));
+    let (seen, result) = against_sheared(Some(Perspective::new(30.0)));
     assert!(matches!(result, Err(Error::Method(_))), "{:?}", result.err());
     assert_eq!(seen, [0, 0], "pictures and steps");
     let (seen, result) = against_sheared(None);

@@ -13,5 +13,6 @@ mod phantoms;
 mod real_data;
 mod refusals;
 mod resampling;
+mod several_blocks;
 mod words;
 mod writers;

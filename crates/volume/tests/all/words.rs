@@ -199,7 +199,8 @@ fn voxels_of_a_plane_lie_flat_and_those_of_a_line_do_not() {
 /// Work on a volume is spread in chunks of samples: none is left out, taken twice or put elsewhere.
 #[test]
 fn every_sample_of_a_large_volume_has_its_place() {
-    const SIZE: [usize; 3] = [1 << 16, 3, 1];
+    const SIZE: [usize; 3] = [(1 << 16) - 5, 3, 1];
+    const CHUNK: usize = 1 << 16;
     let at = |x: usize, y: usize| (y * SIZE[0] + x) as f64;
     let volume = Volume::from_fn(SIZE, [1.0; 3], |x, y, _| at(x, y) as u32).expect("a volume");
     let count = volume.len();
@@ -209,7 +210,7 @@ fn every_sample_of_a_large_volume_has_its_place() {
     let word = |i: usize| (i as f64 / (count - 1) as f64 * 65535.0).round() as u16;
     assert_eq!(words.words, (0..count).map(word).collect::<Vec<_>>());
     // The first, the last, and both sides of a border between chunks of a power of two.
-    for special in [0, 1, SIZE[0] - 1, SIZE[0], SIZE[0] + 1, 2 * SIZE[0] - 1, 2 * SIZE[0], count - 1] {
+    for special in [0, 1, CHUNK - 1, CHUNK, CHUNK + 1, 2 * CHUNK - 1, 2 * CHUNK, count - 1] {
         let value = |x, y, other: f64, special_value| if at(x, y) == special as f64 { special_value } else { other };
         let high = Volume::from_fn(SIZE, [1.0; 3], |x, y, _| value(x, y, 1.0, 7.0)).expect("a volume");
         assert_eq!(high.range().expect("finite"), (1.0, 7.0), "sample {special}");
