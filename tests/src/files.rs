@@ -1,7 +1,8 @@
 //! The files of a crate, and which use which: no circle may be among them.
 //!
 //! Names are followed to the file that defines them, through those that only give them on (`pub use`). A file and the folder of its name
-//! are whole and parts: parts may use what the whole has. Tests may use what they like. A method is not followed: it is of its type's file.
+//! are whole and parts: each may use the other, but a circle through a third file may go by neither. Tests may use what they like. A method
+//! is not followed: it is of its type's file.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -215,14 +216,25 @@ impl Files {
             });
             let imported = source.imports.iter().map(|(path, _)| path.clone());
             let used = named.chain(imported).filter_map(|path| self.defines(module, &path, &mut BTreeSet::new()));
-            (module.clone(), used.filter(|used| !module.starts_with(used)).collect())
+            (module.clone(), used.filter(|used| used != module).collect())
         };
         self.modules.iter().map(used).collect()
     }
 
-    /// The modules that are in circles: what is left when those that use none of the others are taken away, and those that none uses.
+    /// The modules that are in circles, or between them. What a part uses of its whole counts where what the whole uses of its parts does
+    /// not, and the other way round.
     pub fn circles(&self) -> BTreeMap<Module, BTreeSet<Module>> {
+        let up = |module: &Module, used: &Module| module.starts_with(used);
+        let down = |module: &Module, used: &Module| used.starts_with(module);
+        let mut circles = self.circles_without(down);
+        circles.extend(self.circles_without(up));
+        circles
+    }
+
+    /// What is left when those that use none of the others are taken away, and those that none uses; some arrows are left out.
+    fn circles_without(&self, left_out: impl Fn(&Module, &Module) -> bool) -> BTreeMap<Module, BTreeSet<Module>> {
         let mut left = self.uses();
+        left.iter_mut().for_each(|(module, uses)| uses.retain(|used| !left_out(module, used)));
         loop {
             let used: BTreeSet<Module> = left.values().flatten().cloned().collect();
             let ends = |(module, uses): &(&Module, &BTreeSet<Module>)| uses.is_empty() || !used.contains(*module);
