@@ -52,7 +52,8 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    /// Gives each block to `put` with its numbers, which are aligned for numbers of 8 bytes; `no_room` is the error where so many bytes cannot be had.
+    /// Gives each block to `put` with its numbers, which are aligned for numbers of 8 bytes; `no_room` is the error where so many bytes
+    /// cannot be had.
     pub fn read(
         &self,
         mut parts: Parts,
