@@ -25,7 +25,7 @@ pub const FLOORS: &[(&str, &[&str])] = &[
     ("units", &["cone"]),
     ("systems", &["pipeline", "function", "definition"]),
     ("references", &["reference"]),
-    ("references", &["twin"]),
+    ("references", &["twin", "converged"]),
     ("report", &["report"]),
     ("tools", &["trace", "resources"]),
     ("tools", &["vectors"]),
@@ -42,9 +42,9 @@ pub const WALLS: &[(&[&str], &str, &str)] = &[
     (&["cfb", "dsb", "trilin", "abc", "cone"], "plan", "a unit is there or not, and does not ask why"),
     (&["definition", "pipeline", "function"], "host", "a frame is what its registers say, whoever made them"),
     (&["definition", "pipeline", "function"], "plan", "a machine runs what its registers say, and does not ask why"),
-    (&["reference", "twin"], "host", "what is measured with does not run what is measured"),
-    (&["reference"], "frame", "image order knows scene and volume alone"),
-    (&["reference"], "machine", "image order knows scene and volume alone"),
+    (&["reference", "twin", "converged"], "host", "what is measured with does not run what is measured"),
+    (&["reference", "converged"], "frame", "image order knows scene and volume alone"),
+    (&["reference", "converged"], "machine", "image order knows scene and volume alone"),
 ];
 
 /// The rooms of a workspace, each with those that it uses.

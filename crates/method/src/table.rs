@@ -75,7 +75,7 @@ impl Method {
 }
 
 /// Every way to make a picture.
-pub static METHODS: &[&Method] = &[&FUNCTION, &CYCLE, &SHEARED, &TRUE, &IMAGE_ORDER];
+pub static METHODS: &[&Method] = &[&FUNCTION, &CYCLE, &SHEARED, &TRUE, &IMAGE_ORDER, &CONVERGED];
 
 /// The machine without its clock.
 pub static FUNCTION: Method = Method::of_machine(&machine::FUNCTION, machine::function);
@@ -87,6 +87,8 @@ pub static SHEARED: Method = Method::of_machine(&twin::SHEARED, twin::sheared);
 pub static TRUE: Method = Method::of_machine(&twin::TRUE, twin::true_3d);
 /// Rays from pixels.
 pub static IMAGE_ORDER: Method = Method::of_scene(&cube3_reference::IMAGE_ORDER);
+/// The ray integral itself.
+pub static CONVERGED: Method = Method::of_scene(&cube3_converged::CONVERGED);
 
 /// The names of a table's methods.
 pub fn names(table: &[&Method]) -> Vec<&'static str> {

@@ -3,13 +3,13 @@
 use crate::check::{check_volume, thickened};
 use crate::integrate::{Integrator, Ray, SamplePoint, StepWeights};
 use crate::interpolate::cell;
+use crate::line::{Line, nearest_axis};
 use crate::progress::RowCount;
 use crate::span::{Drawn, ON_FACE, margin};
 use crate::{Progress, RaycastError};
 use cube3_picture::Picture;
 use cube3_scene::{ImagePlane, Scene, over, resolve_lights, smallest_spacing};
 use cube3_volume::{Sample, Volume, with_samples};
-use glam::DVec3;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
@@ -110,7 +110,7 @@ pub fn image_order(
             let mut integrator = integrator.clone();
             let mut samples = 0;
             for (column, pixel) in pixels.iter_mut().enumerate() {
-                let line = pixel_line(&plane, [column * every, row * every], volume.spacing, smallest);
+                let line = Line::of_pixel(&plane, [column * every, row * every], volume.spacing, smallest);
                 let planes = line.direction[axis].abs() * options.step_voxel;
                 integrator.start(line.world_direction, planes / depth);
                 let (premultiplied, taken) = match line.span(&drawn) {
@@ -126,64 +126,6 @@ pub fn image_order(
         pixels.par_chunks_mut(width).enumerate().map(cast).sum()
     });
     Ok(ImageRendering { picture: Picture { width, height, pixels }, samples })
-}
-
-/// The axis nearest to the view: the one along which its direction, in voxels, is largest; z before y before x.
-fn nearest_axis(direction: DVec3, spacing: [f64; 3]) -> usize {
-    let steps = [0, 1, 2].map(|axis| (direction[axis] / spacing[axis]).abs());
-    let nearer = |best: usize, axis: usize| if steps[axis] > steps[best] { axis } else { best };
-    nearer(nearer(2, 1), 0)
-}
-
-/// A ray in voxels; its parameter counts the smallest voxel spacing.
-#[derive(Clone, Copy)]
-struct Line {
-    /// A point of it near the volume, so that the digits are there where the samples are.
-    origin: [f64; 3],
-    direction: [f64; 3],
-    /// The parameter of the eye; −∞ in a parallel view.
-    eye: f64,
-    /// The direction in the world, of unit length.
-    world_direction: DVec3,
-}
-
-/// The ray of a pixel.
-fn pixel_line(plane: &ImagePlane, [column, row]: [usize; 2], spacing: [f64; 3], smallest: f64) -> Line {
-    let (column, row) = (column as f64, row as f64);
-    let point = plane.crossing(column, row);
-    let (world_direction, eye) = match plane.eye {
-        None => (plane.direction, f64::NEG_INFINITY),
-        Some(_) => {
-            let (_, ray) = plane.ray(column, row);
-            let length = ray.length();
-            (ray / length, -plane.depth * length / smallest)
-        }
-    };
-    Line {
-        origin: [0, 1, 2].map(|i| point[i] / spacing[i]),
-        direction: [0, 1, 2].map(|i| world_direction[i] / (spacing[i] / smallest)),
-        eye,
-        world_direction,
-    }
-}
-
-impl Line {
-    /// Parameters at which the ray enters what is drawn, or begins in it, and leaves it.
-    fn span(&self, drawn: &Drawn) -> Option<[f64; 2]> {
-        let [enter, leave] = drawn.span(self.origin, self.direction)?;
-        if self.eye > leave + ON_FACE {
-            return None;
-        }
-        // An eye on a face that looks away still sees the face.
-        Some([enter.max(self.eye.min(leave)), leave])
-    }
-
-    /// The point at a parameter, held to the box, which reaches `margin` beyond the voxel centres.
-    #[inline(always)]
-    fn at(&self, parameter: f64, dims: [usize; 3], margin: f64) -> [f64; 3] {
-        let held = |i: usize, x: f64| x.clamp(-margin, (dims[i] - 1) as f64 + margin);
-        [0, 1, 2].map(|i| held(i, self.origin[i] + self.direction[i] * parameter))
-    }
 }
 
 /// Where a ray takes samples, and the part of a step that each stands for.
@@ -342,18 +284,5 @@ impl<S: Sample> SamplePoint for PlacedSample<'_, S> {
             (beside(1) - beside(-1)) * 0.5 / self.grid.per_voxel[axis]
         };
         [along(0), along(1), along(2)]
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_nearest_axis_is_that_of_the_longest_step_in_voxels_and_z_before_y_before_x() {
-        let axis = |direction: [f64; 3], spacing| nearest_axis(direction.into(), spacing);
-        assert_eq!([[1.0, 1.0, -1.0], [-1.0, 1.0, 0.0], [1.0, 0.0, 0.0]].map(|along| axis(along, [1.0; 3])), [2, 1, 0]);
-        assert_eq!(axis([0.0, 0.9, 1.0], [1.0, 1.0, 2.0]), 1);
-        assert_eq!(axis([1.0, 2.0, 4.0], [1.0, 2.0, 4.0]), 2);
     }
 }

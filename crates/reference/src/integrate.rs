@@ -1,9 +1,9 @@
 //! From the samples of a ray to its pixel: what is cut away, classification, shading, depth cueing and the
 //! six modes. The same for all casters: what the scene says, in reals.
 
+use crate::cue::LinearCue;
 use cube3_scene::{
-    DepthCue, Mode, ResolvedLight, Scene, Transfer, ViewFrame, corrected_opacity, depth_range, phong, turn_lights,
-    unit_vector,
+    Mode, ResolvedLight, Scene, Transfer, ViewFrame, corrected_opacity, phong, turn_lights, unit_vector,
 };
 use cube3_volume::Volume;
 use glam::DVec3;
@@ -39,16 +39,6 @@ pub struct Integrator<'a> {
     corrects: bool,
     /// The last opacity that was corrected to a whole step, and to what: transfer functions have plateaus.
     corrected: (f64, f64),
-}
-
-/// Depth cueing as a function of position.
-#[derive(Clone, Copy)]
-struct LinearCue<'a> {
-    cue: &'a DepthCue,
-    /// Depth, 0 to 1 between the corners of the volume, for each voxel along x, y, z.
-    rate: [f64; 3],
-    /// Depth of voxel (0, 0, 0).
-    first: f64,
 }
 
 /// A ray on its way.
@@ -230,22 +220,6 @@ impl<'a> Integrator<'a> {
         let Some(cue) = &self.cue else { return colour };
         let factor = cue.at(point.position());
         colour.map(|c| c * factor)
-    }
-}
-
-impl<'a> LinearCue<'a> {
-    fn new(cue: &'a DepthCue, volume: &Volume, view: &ViewFrame) -> Self {
-        let [near, far] = depth_range(view, volume.dims, volume.spacing);
-        // A volume without depth is all front.
-        let scale = if far > near { 1.0 / (far - near) } else { 0.0 };
-        let rate = [0, 1, 2].map(|i| view.direction[i] * volume.spacing[i] * scale);
-        LinearCue { cue, rate, first: -near * scale }
-    }
-
-    #[inline]
-    fn at(&self, position: [f64; 3]) -> f64 {
-        let along: f64 = (0..3).map(|i| self.rate[i] * position[i]).sum();
-        self.cue.factor_at(self.first + along)
     }
 }
 

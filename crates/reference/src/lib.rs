@@ -13,7 +13,7 @@
 //! What a scene means in reals is here once, for every caster that stands on it (the twin of the machine does):
 //!
 //! - [`check_volume`], [`thickened`]: what may be drawn, and as what.
-//! - [`Drawn`]: the stretch of a line inside of box, crop and cuts.
+//! - [`Line`]: the ray of a pixel. [`Drawn`]: the stretch of a line inside of box, crop and cuts. [`LinearCue`]: depth along it.
 //! - [`lerp`], [`cell`]: interpolation between voxels.
 //! - [`Integrator`]: from the samples of a [`Ray`] to its pixel: opacity, light, depth cue and the six modes; it asks a [`SamplePoint`].
 //! - [`Progress`], [`RowCount`]: how far a caster is.
@@ -21,19 +21,23 @@
 #![warn(missing_docs)]
 
 mod check;
+mod cue;
 mod error;
 mod image_order;
 mod integrate;
 mod interpolate;
+mod line;
 mod method;
 mod progress;
 mod span;
 
 pub use check::{check_volume, thickened};
+pub use cue::LinearCue;
 pub use error::RaycastError;
 pub use image_order::{ImageOrderOptions, ImageRendering, image_order};
 pub use integrate::{Integrator, Ray, SamplePoint, StepWeights};
 pub use interpolate::{cell, lerp};
+pub use line::{Line, nearest_axis};
 pub use method::{IMAGE_ORDER, STEP};
 pub use progress::{Progress, RowCount};
-pub use span::{Drawn, ON_FACE};
+pub use span::{Drawn, ON_FACE, margin};

@@ -8,8 +8,8 @@ const PARALLEL: f64 = 1e-12;
 /// How far outside of a face, in voxels, a line along it still counts as in it: what rounding moves it by.
 pub const ON_FACE: f64 = 1e-9;
 
-/// How far beyond the outermost voxel centres a volume reaches, in voxels.
-pub(crate) fn margin(scene: &Scene) -> f64 {
+/// How far beyond the outermost voxel centres a scene's volume reaches, in voxels: labels fill their voxels.
+pub fn margin(scene: &Scene) -> f64 {
     if scene.volume.labels { 0.5 } else { 0.0 }
 }
 

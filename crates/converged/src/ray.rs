@@ -1,0 +1,308 @@
+//! A ray from front to back, part by part.
+//!
+//! ```text
+//!   piece ─► part ─► analytic? ──yes──► fewest nodes whose bound is allowed ──► add
+//!              ▲        │no                        │none
+//!              └─split──┴──────────────────────────┘      too small to split: add what is known of it, with its bound
+//! ```
+
+use crate::cell::Piece;
+use crate::known::Known;
+use crate::optics::{Obstacle, Optics};
+use crate::part::Part;
+use crate::polynomial;
+use crate::quadrature::{Added, Quadrature, Request};
+use cube3_scene::ResolvedLight;
+
+/// Parts of a ray that are looked at, at most; after that what is known of a part is taken as it is.
+const MOST_PARTS: u64 = 1 << 18;
+
+/// What sums are rounded by, for every part that is added.
+const ROUNDED: f64 = 8.0 * f64::EPSILON;
+
+/// Extinction of a unit length where opacity is as near to 1 as numbers are.
+const MOST_EXTINCTION: f64 = 50.0;
+
+/// What has been integrated of a ray.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Integral {
+    /// Red, green and blue, each as it reaches the eye.
+    pub colour: [f64; 3],
+    /// What is left of the light from behind; in a weighted sum 1 − Σ.
+    pub transmittance: f64,
+    /// The most that a channel of the pixel is off by.
+    pub bound: f64,
+    /// Evaluations at nodes.
+    pub evaluations: u64,
+    /// Parts that were looked at.
+    parts: u64,
+    /// A part behind which all may be hidden: the range of its colours.
+    pending: Option<[[f64; 2]; 3]>,
+    /// Nothing behind can matter.
+    pub done: bool,
+}
+
+/// A part of a piece that is still to be done.
+#[derive(Clone, Copy, Debug)]
+struct Task {
+    ends: [f64; 2],
+    /// Around a jump, and as small as can be: it is taken as it is.
+    last: bool,
+    /// Behind it nothing is seen.
+    then_opaque: bool,
+}
+
+/// Adds the pieces of one ray.
+pub(crate) struct Ray<'a> {
+    quadrature: Quadrature<'a>,
+    pub integral: Integral,
+    tasks: Vec<Task>,
+}
+
+impl<'a> Ray<'a> {
+    pub fn new(optics: &'a Optics<'a>, lights: &'a [ResolvedLight], request: Request) -> Ray<'a> {
+        let integral = Integral {
+            colour: [0.0; 3],
+            transmittance: 1.0,
+            bound: 0.0,
+            evaluations: 0,
+            parts: 0,
+            pending: None,
+            done: false,
+        };
+        Ray { quadrature: Quadrature { optics, lights, request }, integral, tasks: Vec::new() }
+    }
+
+    /// Adds the next piece from the front.
+    pub fn add(&mut self, piece: &Piece) {
+        self.tasks.clear();
+        self.tasks.push(Task { ends: [0.0, piece.length], last: false, then_opaque: false });
+        let mut seen = false;
+        let arriving = self.integral.transmittance;
+        while let Some(task) = self.tasks.pop() {
+            if self.integral.done {
+                break;
+            }
+            seen |= self.part(piece, task);
+        }
+        if seen {
+            self.integral.bound += self.moved_ends(piece, arriving);
+        }
+    }
+
+    /// What a piece costs whose ends are moved by rounding, of the light that arrives at it.
+    fn moved_ends(&self, piece: &Piece, arriving: f64) -> f64 {
+        let opacity = |at: f64| {
+            let end = Part::of(piece, [at, at]);
+            let value = end.value[0];
+            let values = [value - piece.slack, value + piece.slack];
+            self.quadrature.optics.stretches.opacities(values, self.quadrature.optics.magnitudes(&end))[1]
+        };
+        let most = opacity(0.0).max(opacity(piece.length));
+        let moved = 2.0 * piece.end_slack;
+        match self.quadrature.request.weight {
+            Some(weight) => weight * most * moved,
+            None => arriving * (-libm::log1p(-most)).min(MOST_EXTINCTION) * moved,
+        }
+    }
+
+    /// What has been added, with all that is still open.
+    pub fn finish(mut self) -> Integral {
+        self.resolve();
+        self.integral
+    }
+
+    /// Adds a part, or puts what it is split into on the list; whether anything of it can be seen.
+    fn part(&mut self, piece: &Piece, task: Task) -> bool {
+        self.integral.parts += 1;
+        let part = Part::of(piece, task.ends);
+        let [low, high] = polynomial::range(&part.value);
+        let slack = part.slack;
+        if self.quadrature.optics.stretches.clear([low - slack, high + slack]) {
+            return false;
+        }
+        let smallest = part.half <= piece.end_slack;
+        let last = task.last || smallest || self.integral.parts > MOST_PARTS;
+        let stretch = self.quadrature.optics.stretches.around([low, high], if low == high { 0.0 } else { slack });
+        let Some(stretch) = stretch else {
+            if last || !self.split_at_bend(&part, [low, high], task) {
+                self.whole_or_halves(&part, task, last);
+            }
+            return true;
+        };
+        if stretch.clear {
+            return false;
+        }
+        if stretch.opaque && self.quadrature.request.weight.is_none() {
+            self.opaque(&part, piece);
+            return true;
+        }
+        match self.quadrature.analytic(&part, &stretch, self.integral.transmittance) {
+            Ok(added) => self.apply(added),
+            Err(Obstacle::At(x)) if !last && x.abs() < 1.0 - 1e-12 => self.split(task, x, false),
+            Err(_) => self.whole_or_halves(&part, task, last),
+        }
+        true
+    }
+
+    /// Splits where values bend, if they do between the ends of a part and not only near them.
+    fn split_at_bend(&mut self, part: &Part, values: [f64; 2], task: Task) -> bool {
+        let value = |x: f64| polynomial::at(&part.value, x);
+        let bends = self.quadrature.optics.stretches.bends(values);
+        let found = bends.filter_map(|bend| Some((polynomial::crossing(value, bend.value)?, bend))).next();
+        let Some((x, bend)) = found else {
+            let turn = polynomial::turns(&part.value).into_iter().flatten().find(|x| x.abs() < 1.0 - 1e-9);
+            if let Some(x) = turn {
+                self.split(task, x, false);
+            }
+            return turn.is_some();
+        };
+        let rises = value(1.0) > value(-1.0);
+        let opaque = bend.opaque[usize::from(rises)];
+        if !bend.jumps {
+            if x.abs() >= 1.0 - 1e-12 {
+                return false;
+            }
+            self.split(task, x, opaque);
+            return true;
+        }
+        let slope = part.value[1] + x * (2.0 * part.value[2] + x * 3.0 * part.value[3]);
+        let around = (4.0 * part.slack / slope.abs()).max(4.0 * f64::EPSILON);
+        if !(around < 1e-3) {
+            return false;
+        }
+        let [from, to] = task.ends;
+        let place = |x: f64| from + (x + 1.0) * 0.5 * (to - from);
+        let (before, behind) = (place(x - around).max(from), place(x + around).min(to));
+        self.push([behind, to], false, task.then_opaque);
+        self.push([before, behind], true, opaque);
+        self.push([from, before], false, false);
+        true
+    }
+
+    /// At ζ, behind which nothing is seen where `opaque`.
+    fn split(&mut self, task: Task, x: f64, opaque: bool) {
+        let [from, to] = task.ends;
+        let middle = from + (x + 1.0) * 0.5 * (to - from);
+        self.push([middle, to], task.last, task.then_opaque);
+        self.push([from, middle], task.last, opaque);
+    }
+
+    fn push(&mut self, ends: [f64; 2], last: bool, then_opaque: bool) {
+        if ends[1] > ends[0] {
+            self.tasks.push(Task { ends, last, then_opaque });
+        }
+    }
+
+    /// Adds a part with what little is known of it, if that is little enough or it is the `last` that can be done; or splits it in half.
+    fn whole_or_halves(&mut self, part: &Part, task: Task, last: bool) {
+        let Quadrature { optics, lights, request } = self.quadrature;
+        let arriving = self.integral.transmittance;
+        let known = Known::of(optics, lights, part);
+        let allowed = request.allowed(part.length(), -libm::expm1(-known.depth[1]), arriving);
+        let small = match request.weight {
+            Some(weight) => known.error_of_sum() * weight <= allowed,
+            None if known.hides_all => task.then_opaque && arriving * known.colour_half() <= allowed,
+            None => arriving * known.error() <= allowed,
+        };
+        if small || last {
+            self.take(&known);
+        } else {
+            self.split(task, 0.0, false);
+        }
+    }
+
+    /// Adds a part of which only ranges are known.
+    fn take(&mut self, known: &Known) {
+        if known.hides_all {
+            let hull = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+            self.integral.pending = Some(match self.integral.pending {
+                Some(before) => [0, 1, 2].map(|i| hull(before[i], known.colour[i])),
+                None => known.colour,
+            });
+            return;
+        }
+        self.resolve();
+        let integral = &mut self.integral;
+        if let Some(weight) = self.quadrature.request.weight {
+            let middle = f64::midpoint(known.depth[0], known.depth[1]) * weight;
+            for (sum, [low, high]) in integral.colour.iter_mut().zip(known.colour) {
+                *sum += f64::midpoint(low, high) * middle;
+            }
+            integral.transmittance -= middle;
+            integral.bound += known.error_of_sum() * weight + ROUNDED;
+            return;
+        }
+        let [least, most] = known.depth.map(|depth| -libm::expm1(-depth));
+        let hidden = f64::midpoint(least, most);
+        for (sum, [low, high]) in integral.colour.iter_mut().zip(known.colour) {
+            *sum += integral.transmittance * hidden * f64::midpoint(low, high);
+        }
+        integral.bound += integral.transmittance * known.error() + ROUNDED;
+        integral.transmittance *= 1.0 - hidden;
+        self.stop_where_nothing_matters();
+    }
+
+    /// Behind the beginning of this part nothing is seen.
+    fn opaque(&mut self, part: &Part, piece: &Piece) {
+        // A bit of the way, as the beginning is not known better.
+        let start = part.start(piece.end_slack);
+        let mut colours = self.quadrature.optics.colours(&start, self.quadrature.lights, false);
+        if let Some(before) = self.integral.pending.take() {
+            for (range, before) in colours.iter_mut().zip(before) {
+                *range = [range[0].min(before[0]), range[1].max(before[1])];
+            }
+        }
+        let integral = &mut self.integral;
+        let mut half = 0.0_f64;
+        for (sum, [low, high]) in integral.colour.iter_mut().zip(colours) {
+            *sum += integral.transmittance * f64::midpoint(low, high);
+            half = half.max((high - low) / 2.0);
+        }
+        integral.bound += integral.transmittance * (half + ROUNDED) + ROUNDED;
+        integral.transmittance = 0.0;
+        integral.done = true;
+    }
+
+    /// What may hide all did not: its whole range is open.
+    fn resolve(&mut self) {
+        let Some(colours) = self.integral.pending.take() else { return };
+        let integral = &mut self.integral;
+        for (sum, [low, high]) in integral.colour.iter_mut().zip(colours) {
+            *sum += integral.transmittance * 0.5 * f64::midpoint(low, high);
+        }
+        integral.bound += integral.transmittance;
+        integral.transmittance *= 0.5;
+    }
+
+    fn apply(&mut self, added: Added) {
+        self.resolve();
+        let integral = &mut self.integral;
+        integral.evaluations += added.evaluations;
+        match self.quadrature.request.weight {
+            Some(weight) => {
+                for (sum, colour) in integral.colour.iter_mut().zip(added.colour) {
+                    *sum += colour * weight;
+                }
+                integral.transmittance -= added.depth * weight;
+                integral.bound += added.error * weight + ROUNDED;
+            }
+            None => {
+                for (sum, colour) in integral.colour.iter_mut().zip(added.colour) {
+                    *sum += integral.transmittance * colour;
+                }
+                integral.bound += integral.transmittance * added.error + ROUNDED;
+                integral.transmittance *= libm::exp(-added.depth);
+                self.stop_where_nothing_matters();
+            }
+        }
+    }
+
+    fn stop_where_nothing_matters(&mut self) {
+        let integral = &mut self.integral;
+        if integral.transmittance <= self.quadrature.request.dark() {
+            integral.bound += integral.transmittance;
+            integral.done = true;
+        }
+    }
+}

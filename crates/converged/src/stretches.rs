@@ -1,0 +1,262 @@
+//! The transfer function and the threshold as stretches of values, on each of which opacity and colour are affine.
+
+use cube3_scene::{Scene, Threshold};
+use std::borrow::Cow;
+
+/// A straight line: the value at the stretch's origin, and the slope.
+type Line = [f64; 2];
+
+/// Values between two bends.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Stretch {
+    /// From the bend below to the one above; infinite beyond the last ones.
+    pub values: [f64; 2],
+    /// Where the lines begin.
+    pub origin: f64,
+    /// Opacity of a unit length, for each layer of gradients, or one.
+    pub opacity: Vec<Line>,
+    /// Red, green and blue.
+    pub colour: [Line; 3],
+    /// Nothing of it is seen.
+    pub clear: bool,
+    /// Nothing is seen through it.
+    pub opaque: bool,
+}
+
+impl Stretch {
+    pub fn opacity_at(&self, layer: usize, value: f64) -> f64 {
+        let [a, b] = self.opacity[layer];
+        a + b * (value - self.origin)
+    }
+
+    pub fn colour_at(&self, value: f64) -> [f64; 3] {
+        self.colour.map(|[a, b]| (a + b * (value - self.origin)).clamp(0.0, 1.0))
+    }
+
+    /// The largest slope of its opacity.
+    pub fn steepest_opacity(&self) -> f64 {
+        self.opacity.iter().fold(0.0, |most, line| most.max(line[1].abs()))
+    }
+
+    /// The largest slope of its colour.
+    pub fn steepest_colour(&self) -> f64 {
+        self.colour.iter().fold(0.0, |most, line| most.max(line[1].abs()))
+    }
+
+    /// Both ends of the part of some values that lies in it.
+    fn part(&self, [low, high]: [f64; 2]) -> [f64; 2] {
+        let part = [low.max(self.values[0]), high.min(self.values[1])];
+        // Values that only touch it from outside.
+        if part[0] > part[1] { [part[0].min(self.values[1]); 2] } else { part }
+    }
+}
+
+/// Which layers of gradients count: one alone, or the two on both sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Layers {
+    One(usize),
+    Between(usize),
+}
+
+/// All stretches, in ascending order; neighbours meet at a bend.
+#[derive(Clone, Debug)]
+pub(crate) struct Stretches {
+    list: Vec<Stretch>,
+    /// Whether opacity or colour jumps at the bend above each stretch.
+    jumps: Vec<bool>,
+    /// The layers' gradients.
+    pub gradients: Vec<f64>,
+    /// Whether two layers have one gradient: opacity jumps there.
+    gradient_jumps: bool,
+    threshold: Option<Threshold>,
+}
+
+impl Stretches {
+    pub fn new(scene: &Scene) -> Stretches {
+        let transfer = &scene.transfer;
+        let layers: Vec<&[[f64; 2]]> = match transfer.is_two_dimensional() {
+            true => transfer.layers.iter().map(|layer| layer.opacity.as_slice()).collect(),
+            false => vec![&transfer.opacity],
+        };
+        let colours = [0, 1, 2].map(|i| transfer.colour.iter().map(|p| [p.value, p.rgb[i]]).collect::<Vec<_>>());
+        let threshold = scene.threshold.as_ref();
+        let mut bends: Vec<f64> = layers.iter().copied().flatten().chain(&colours[0]).map(|point| point[0]).collect();
+        bends.extend(threshold.and_then(|t| t.low));
+        bends.extend(threshold.and_then(|t| t.high));
+        bends.sort_by(f64::total_cmp);
+        bends.dedup();
+        let ends = std::iter::once(f64::NEG_INFINITY).chain(bends.iter().copied());
+        let ends = ends.zip(bends.iter().copied().chain([f64::INFINITY]));
+        let stretch = |(low, high): (f64, f64)| {
+            let origin = if low.is_finite() { low } else { high };
+            let opacity: Vec<Line> = layers.iter().map(|points| line(points, low, high, origin)).collect();
+            let inside = match (low.is_finite(), high.is_finite()) {
+                (true, true) => f64::midpoint(low, high),
+                (true, false) => f64::MAX,
+                _ => f64::MIN,
+            };
+            let removed = threshold.is_some_and(|threshold| threshold.removes(inside));
+            let all = |value: f64| opacity.iter().all(|&line| line == [value, 0.0]);
+            Stretch {
+                values: [low, high],
+                origin,
+                clear: removed || all(0.0),
+                opaque: !removed && all(1.0),
+                colour: [0, 1, 2].map(|i| line(&colours[i], low, high, origin)),
+                opacity,
+            }
+        };
+        let list: Vec<Stretch> = ends.map(stretch).collect();
+        let jump = |pair: &[Stretch]| {
+            let bend = pair[0].values[1];
+            let apart = |a: f64, b: f64| (a - b).abs() > 1e-15;
+            let opacity = |i: usize| {
+                let of = |s: &Stretch| if s.clear { 0.0 } else { s.opacity_at(i, bend) };
+                apart(of(&pair[0]), of(&pair[1]))
+            };
+            let colours = [pair[0].colour_at(bend), pair[1].colour_at(bend)];
+            (0..layers.len()).any(opacity) || (0..3).any(|i| apart(colours[0][i], colours[1][i]))
+        };
+        let jumps = list.windows(2).map(jump).collect();
+        let gradients: Vec<f64> = transfer.layers.iter().map(|layer| layer.gradient).collect();
+        let gradient_jumps = gradients.windows(2).any(|pair| pair[0] == pair[1]);
+        Stretches { list, jumps, gradients, gradient_jumps, threshold: scene.threshold.clone() }
+    }
+
+    /// The place of the stretch of a value; at a bend of the one above.
+    fn place(&self, value: f64) -> usize {
+        self.list.partition_point(|stretch| stretch.values[1] <= value).min(self.list.len() - 1)
+    }
+
+    /// Whether nothing is seen of any value in between.
+    pub fn clear(&self, [low, high]: [f64; 2]) -> bool {
+        self.list[self.place(low.next_down())..=self.place(high)].iter().all(|stretch| stretch.clear)
+    }
+
+    /// A single value as a stretch of its own.
+    pub fn at(&self, value: f64) -> Stretch {
+        let around = &self.list[self.place(value)];
+        let opacity: Vec<Line> =
+            (0..around.opacity.len()).map(|i| [around.opacity_at(i, value).clamp(0.0, 1.0), 0.0]).collect();
+        let removed = self.threshold.as_ref().is_some_and(|threshold| threshold.removes(value));
+        Stretch {
+            values: [value; 2],
+            origin: value,
+            clear: removed || opacity.iter().all(|line| line[0] == 0.0),
+            opaque: !removed && opacity.iter().all(|line| line[0] == 1.0),
+            colour: around.colour_at(value).map(|colour| [colour, 0.0]),
+            opacity,
+        }
+    }
+
+    /// The one stretch of all values in between, which are known to within `slack`: they may be beyond a bend by as much, but not where
+    /// something jumps. None where they are of several.
+    pub fn around(&self, [low, high]: [f64; 2], slack: f64) -> Option<Cow<'_, Stretch>> {
+        if low == high && slack == 0.0 {
+            return Some(Cow::Owned(self.at(low)));
+        }
+        let fits = |i: usize| {
+            let [from, to] = self.list[i].values;
+            let room = |jump: Option<&bool>| if jump == Some(&true) { -slack } else { slack };
+            let below = if i == 0 { None } else { self.jumps.get(i - 1) };
+            from - room(below) <= low && high <= to + room(self.jumps.get(i))
+        };
+        let first = self.place(f64::midpoint(low, high));
+        [Some(first), first.checked_sub(1), Some(first + 1).filter(|&i| i < self.list.len())]
+            .into_iter()
+            .flatten()
+            .find(|&i| fits(i))
+            .map(|i| Cow::Borrowed(&self.list[i]))
+    }
+
+    /// Bends between two values, each with whether something jumps there and whether the stretch above and below it are opaque.
+    pub fn bends(&self, [low, high]: [f64; 2]) -> impl Iterator<Item = Bend> + '_ {
+        let first = self.place(low).saturating_sub(1);
+        (first..self.jumps.len())
+            .map(|i| Bend {
+                value: self.list[i].values[1],
+                jumps: self.jumps[i],
+                opaque: [self.list[i].opaque, self.list[i + 1].opaque],
+            })
+            .skip_while(move |bend| bend.value < low)
+            .take_while(move |bend| bend.value <= high)
+    }
+
+    /// The layers of gradients between two magnitudes, which are known to within `slack`; none where they are more than two.
+    pub fn layers(&self, [low, high]: [f64; 2], slack: f64) -> Option<Layers> {
+        let g = &self.gradients;
+        let Some(last) = g.len().checked_sub(1) else { return Some(Layers::One(0)) };
+        let slack = if self.gradient_jumps { -slack } else { slack };
+        if high <= g[0] + slack {
+            return Some(Layers::One(0));
+        }
+        if low >= g[last] - slack {
+            return Some(Layers::One(last));
+        }
+        let between = |&i: &usize| g[i] < g[i + 1] && g[i] - slack <= low && high <= g[i + 1] + slack;
+        (0..last).find(between).map(Layers::Between)
+    }
+
+    /// The least and the largest opacity of values and gradient magnitudes.
+    pub fn opacities(&self, values: [f64; 2], magnitudes: [f64; 2]) -> [f64; 2] {
+        let layers = match self.gradients.len() {
+            0 => 0..1,
+            n => {
+                let first = self.gradients.partition_point(|g| *g < magnitudes[0]).saturating_sub(1);
+                first..self.gradients.partition_point(|g| *g <= magnitudes[1]).min(n - 1) + 1
+            }
+        };
+        let of = |stretch: &Stretch| {
+            if stretch.clear {
+                return [0.0; 2];
+            }
+            let ends = stretch.part(values);
+            let all = layers.clone().flat_map(|layer| ends.map(|value| stretch.opacity_at(layer, value)));
+            hull(all)
+        };
+        let [low, high] = hull(self.between(values).iter().flat_map(of));
+        [low.clamp(0.0, 1.0), high.clamp(0.0, 1.0)]
+    }
+
+    /// The least and the largest colour of values.
+    pub fn colours(&self, values: [f64; 2]) -> [[f64; 2]; 3] {
+        [0, 1, 2].map(|i| {
+            let of = |stretch: &Stretch| stretch.part(values).map(|value| stretch.colour_at(value)[i]);
+            hull(self.between(values).iter().flat_map(of))
+        })
+    }
+
+    /// The stretches of values in between, those that they touch with them.
+    pub fn between(&self, [low, high]: [f64; 2]) -> &[Stretch] {
+        &self.list[self.place(low.next_down())..=self.place(high)]
+    }
+}
+
+/// Where two stretches meet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bend {
+    pub value: f64,
+    pub jumps: bool,
+    /// Of the stretches below and above.
+    pub opaque: [bool; 2],
+}
+
+/// The least and the largest of some numbers.
+fn hull(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
+    numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+}
+
+/// The line of points between two neighbouring bends.
+fn line(points: &[[f64; 2]], low: f64, high: f64, origin: f64) -> Line {
+    let below = points.iter().rev().find(|point| point[0] <= low);
+    let above = points.iter().find(|point| point[0] >= high);
+    match (below, above) {
+        (Some(&[from, a]), Some(&[to, b])) => {
+            // Halves, so that the difference of the largest numbers does not overflow.
+            let slope = (b - a) / (to * 0.5 - from * 0.5) * 0.5;
+            if slope == 0.0 || !slope.is_finite() { [a, 0.0] } else { [a + slope * (origin - from), slope] }
+        }
+        (Some(&[_, a]), None) | (None, Some(&[_, a])) => [a, 0.0],
+        (None, None) => [0.0, 0.0],
+    }
+}

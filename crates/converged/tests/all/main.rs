@@ -1,0 +1,4 @@
+//! Tests of `cube3-converged` from outside, one module each.
+
+mod bound;
+mod scenes;
