@@ -108,8 +108,8 @@ pub(crate) fn extremes(corners: &Corners) -> [f64; 2] {
 pub(crate) struct Gradient {
     pub along: [Cubic; 3],
     pub scale: f64,
-    /// What rounding moves the scaled gradient by.
-    pub slack: f64,
+    /// What rounding moves each component of the scaled gradient by.
+    pub slack: [f64; 3],
 }
 
 /// The stretch of a ray in one cell, as polynomials of the way from where it begins.
@@ -166,17 +166,17 @@ impl Place {
             let components = field.gradients(self.corner);
             let scale = components.iter().flatten().fold(0.0_f64, |most, c| most.max(c.abs()));
             if scale == 0.0 {
-                return Gradient { along: [[0.0; 4]; 3], scale: 1.0, slack: 0.0 };
+                return Gradient { along: [[0.0; 4]; 3], scale: 1.0, slack: [0.0; 3] };
             }
             // Division by a power of two changes no digit.
             let scale = libm::exp2(libm::floor(libm::log2(scale)));
             let scaled = components.map(|corners| corners.map(|c| c / scale));
-            // A difference of voxels and its division by the spacing are rounded.
-            let rounded = 4.0 * f64::EPSILON * 4.0;
+            // A difference of voxels and its division by the spacing are rounded; one of equal voxels is exact.
+            let rounded = |corners: &Corners| if corners.iter().all(|c| *c == 0.0) { 0.0 } else { 16.0 * f64::EPSILON };
             Gradient {
                 along: [0, 1, 2].map(|i| along(&scaled[i], start, line.direction)),
                 scale,
-                slack: scaled.iter().map(slack).sum::<f64>() + rounded,
+                slack: [0, 1, 2].map(|i| slack(&scaled[i]) + rounded(&scaled[i])),
             }
         });
         let cue = cue.map_or([1.0, 0.0], |linear| {

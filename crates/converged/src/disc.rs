@@ -55,11 +55,11 @@ impl Disc {
     #[inline]
     pub fn sqrt(self) -> Option<Disc> {
         let least = self.mid - self.radius;
-        if !(least > 0.0) {
-            return None;
+        if least > 0.0 {
+            let (middle, least) = (self.mid.sqrt(), least.sqrt());
+            return Some(Disc::new(middle, self.radius / (middle + least)));
         }
-        let (middle, least) = (self.mid.sqrt(), least.sqrt());
-        Some(Disc::new(middle, self.radius / (middle + least)))
+        None
     }
 
     /// 1/√z; none where the disc reaches 0. As [`Disc::sqrt`], the farthest is 1/√(c − r).
@@ -73,11 +73,12 @@ impl Disc {
     /// −ln z; none where the disc reaches 0. The farthest is −ln(c − r).
     #[inline]
     pub fn minus_ln(self) -> Option<Disc> {
-        if !(self.radius < self.mid) {
-            return None;
+        // Of numbers that are not numbers nothing is said.
+        if self.radius < self.mid {
+            let radius = if self.radius == 0.0 { 0.0 } else { -libm::log1p(-self.radius / self.mid) };
+            return Some(Disc::new(-libm::log(self.mid), radius));
         }
-        let radius = if self.radius == 0.0 { 0.0 } else { -libm::log1p(-self.radius / self.mid) };
-        Some(Disc::new(-libm::log(self.mid), radius))
+        None
     }
 
     /// z to a power above 0: of a whole one by its expansion, wherever the disc lies; of another by (1 − r/c)^−s − 1, which bounds

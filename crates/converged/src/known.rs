@@ -27,11 +27,9 @@ impl Known {
         if optics.scene.mode == Mode::WeightedSum {
             return Known { colour, depth: [least, most].map(|alpha| alpha * 2.0 * part.half), hides_all: false };
         }
-        let length = 2.0 * part.half;
-        let mut depth = [least, most].map(|alpha| -libm::log1p(-alpha) * length);
-        if most >= 1.0 - 1e-9 {
-            depth[1] = depth_near_opaque(optics, part, values).unwrap_or(f64::INFINITY).max(depth[0]);
-        }
+        let depth = [least, most].map(|alpha| -libm::log1p(-alpha) * part.length());
+        let depth =
+            if optics.two_dimensional { depth } else { [depth[0], most_depth(optics, part, values).max(depth[0])] };
         Known { colour, depth, hides_all: depth[1] == f64::INFINITY }
     }
 
@@ -52,29 +50,34 @@ impl Known {
     }
 }
 
-/// The most that a part's depth is where opacity comes to 1 at a single value, by Remez; none where it stays there.
-fn depth_near_opaque(optics: &Optics<'_>, part: &Part, values: [f64; 2]) -> Option<f64> {
-    if optics.two_dimensional {
-        return None;
-    }
-    let (mut full, mut slope) = (None, f64::INFINITY);
-    for stretch in optics.stretches.between(values) {
-        if stretch.opaque {
-            return None;
+/// The most that a part's depth is: by its least clearness, or where that comes to 0 at a single value by Remez; infinite where it stays
+/// there.
+fn most_depth(optics: &Optics<'_>, part: &Part, values: [f64; 2]) -> f64 {
+    let (mut full, mut slope, mut extinction) = (None, f64::INFINITY, 0.0_f64);
+    for stretch in optics.stretches.between(values).iter().filter(|stretch| !stretch.clear) {
+        let moved = stretch.moved_opacity(4.0 * part.slack);
+        let least =
+            stretch.part(values).map(|value| stretch.clearness_at(0, value)).into_iter().fold(1.0, f64::min) - moved;
+        if least > 0.0 {
+            extinction = extinction.max(-libm::log(least));
+            continue;
         }
-        for end in stretch.values.into_iter().filter(|end| end.is_finite()) {
-            if stretch.clear || stretch.opacity_at(0, end) < 1.0 - 1e-9 {
-                continue;
-            }
-            if full.is_some_and(|full| full != end) || stretch.opacity[0][1] == 0.0 {
-                return None;
-            }
-            full = Some(end);
-            slope = slope.min(stretch.opacity[0][1].abs());
+        let is_full = |end: &f64| end.is_finite() && stretch.clearness_at(0, *end) <= moved;
+        let mut ends = stretch.values.into_iter().filter(is_full);
+        match (ends.next(), ends.next(), full) {
+            (Some(end), None, None) => full = Some(end),
+            (Some(end), None, Some(other)) if end == other => {}
+            _ => return f64::INFINITY,
         }
+        slope = slope.min(stretch.opacity[0][1].abs());
     }
-    let full = full?;
-    let away = [-1.0, 0.0, 1.0].map(|x| (polynomial::at(&part.value, x) - full).abs());
-    let away = away.into_iter().fold(0.0, f64::max) - 4.0 * part.slack;
-    (away > 4.0 * part.slack).then(|| 2.0 * part.half * (REMEZ - libm::log((slope * away).min(1.0))))
+    if let Some(full) = full {
+        let away = [-1.0, 0.0, 1.0].map(|x| (polynomial::at(&part.value, x) - full).abs());
+        let away = away.into_iter().fold(0.0, f64::max) - 4.0 * part.slack;
+        if away <= 4.0 * part.slack {
+            return f64::INFINITY;
+        }
+        extinction = extinction.max(0.0) + REMEZ - libm::log((slope * away).min(1.0));
+    }
+    extinction * part.length()
 }

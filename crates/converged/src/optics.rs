@@ -32,7 +32,19 @@ pub(crate) struct Optics<'a> {
 pub(crate) struct Smooth {
     /// Opacity of a unit length.
     pub opacity: Disc,
+    /// One minus it.
+    pub clearness: Disc,
     pub colour: [Disc; 3],
+}
+
+impl Smooth {
+    /// Extinction of a unit length, −ln(1 − opacity); none where the disc reaches full opacity.
+    pub fn extinction(&self) -> Option<Disc> {
+        let by_clearness = self.clearness.minus_ln()?;
+        // Faint opacity has its digits in itself.
+        let mid = if self.opacity.mid < 0.5 { -libm::log1p(-self.opacity.mid) } else { by_clearness.mid };
+        Some(Disc::new(mid, by_clearness.radius))
+    }
 }
 
 /// What keeps a part from being analytic.
@@ -75,18 +87,31 @@ impl<'a> Optics<'a> {
 
     /// The opacity of a unit length at ζ.
     pub fn opacity(&self, part: &Part, stretch: &Stretch, layers: Layers, x: f64) -> f64 {
+        self.between_layers(part, layers, x, |layer, value| stretch.opacity_at(layer, value))
+    }
+
+    /// The extinction of a unit length at ζ, −ln(1 − opacity), by whichever of the two has more digits.
+    pub fn extinction(&self, part: &Part, stretch: &Stretch, layers: Layers, x: f64) -> f64 {
+        let opacity = self.opacity(part, stretch, layers, x);
+        if opacity < 0.5 {
+            return -libm::log1p(-opacity);
+        }
+        -libm::log(self.between_layers(part, layers, x, |layer, value| stretch.clearness_at(layer, value)))
+    }
+
+    fn between_layers(&self, part: &Part, layers: Layers, x: f64, of: impl Fn(usize, f64) -> f64) -> f64 {
         let value = polynomial::at(&part.value, x);
-        let alpha = match layers {
-            Layers::One(layer) => stretch.opacity_at(layer, value),
+        let at = match layers {
+            Layers::One(layer) => of(layer, value),
             Layers::Between(layer) => {
                 let g = &self.stretches.gradients;
                 let magnitude = part.gradient.as_ref().map_or(0.0, |g| g.at(x).length() * g.scale);
                 let weight = (magnitude - g[layer]) / (g[layer + 1] - g[layer]);
-                let (below, above) = (stretch.opacity_at(layer, value), stretch.opacity_at(layer + 1, value));
+                let (below, above) = (of(layer, value), of(layer + 1, value));
                 below + weight * (above - below)
             }
         };
-        alpha.clamp(0.0, 1.0)
+        at.clamp(0.0, 1.0)
     }
 
     /// The lit colour at ζ.
@@ -112,11 +137,11 @@ impl<'a> Optics<'a> {
 
     /// The layers of a part.
     pub fn layers(&self, part: &Part) -> Option<Layers> {
-        let slack = part.gradient.as_ref().map_or(0.0, |g| 4.0 * g.slack * g.scale);
+        let slack = part.gradient.as_ref().map_or(0.0, |g| 4.0 * g.moved() * g.scale);
         self.stretches.layers(self.magnitudes(part), slack)
     }
 
-    /// Opacity and colour as discs around those in the middle, for |ζ| up to `reach`.
+    /// Opacity and colour as discs around those in the middle, for |ζ| up to `reach`; channels that are clamped to 1 are `full`.
     pub fn smooth(
         &self,
         part: &Part,
@@ -124,12 +149,14 @@ impl<'a> Optics<'a> {
         layers: Layers,
         lights: &[ResolvedLight],
         reach: f64,
+        full: [bool; 3],
     ) -> Result<Smooth, Obstacle> {
         let value = Disc::of_polynomial(&part.value, reach);
         let off = value.affine(-stretch.origin, 1.0);
         let of = |line: [f64; 2]| off.affine(line[0], line[1]);
-        let opacity = match layers {
-            Layers::One(layer) => of(stretch.opacity[layer]),
+        let clear = |line: [f64; 2]| off.affine(1.0 - line[0], -line[1]);
+        let [opacity, clearness] = match layers {
+            Layers::One(layer) => [of(stretch.opacity[layer]), clear(stretch.opacity[layer])],
             Layers::Between(layer) => {
                 let g = &self.stretches.gradients;
                 let apart = g[layer + 1] - g[layer];
@@ -137,8 +164,9 @@ impl<'a> Optics<'a> {
                 let magnitude =
                     Disc::of_polynomial(&gradient.square, reach).sqrt().ok_or(Obstacle::Near)?.scaled(gradient.scale);
                 let weight = magnitude.affine(-g[layer] / apart, 1.0 / apart);
-                let (below, above) = (of(stretch.opacity[layer]), of(stretch.opacity[layer + 1]));
-                below.plus(weight.times(above.plus(below.scaled(-1.0))))
+                let lines = [stretch.opacity[layer], stretch.opacity[layer + 1]];
+                let between = |[below, above]: [Disc; 2]| below.plus(weight.times(above.plus(below.scaled(-1.0))));
+                [between(lines.map(of)), between(lines.map(clear))]
             }
         };
         let rgb = stretch.colour.map(of);
@@ -147,8 +175,9 @@ impl<'a> Optics<'a> {
             None => rgb.map(|c| c.scaled(self.ambient)),
             Some(gradient) => self.lit_disc(gradient, lights, rgb, reach)?,
         };
-        let colour = lit.map(|c| if part.cue == [1.0, 0.0] { c } else { c.times(cue) });
-        Ok(Smooth { opacity, colour })
+        let unclamped = |i: usize| if full[i] { Disc::new(1.0, 0.0) } else { lit[i] };
+        let colour = [0, 1, 2].map(unclamped).map(|c| if part.cue == [1.0, 0.0] { c } else { c.times(cue) });
+        Ok(Smooth { opacity, clearness, colour })
     }
 
     /// Phong's model on discs ([`phong`]), where no light changes sides and nothing is clamped.
@@ -165,7 +194,9 @@ impl<'a> Optics<'a> {
         let mut lit = rgb.map(|c| c.scaled(material.ambient));
         for light in lights {
             let facing = gradient.against(light.direction);
-            let side = sign(&facing, gradient.slack)?;
+            // Where a one-sided surface turns away from a light, its highlight ends with a jump.
+            let jumps = !material.two_sided && material.specular > 0.0;
+            let side = sign(&facing, gradient.slack_against(light.direction), jumps)?;
             if side == Sign::Down && !material.two_sided {
                 continue;
             }
@@ -178,7 +209,11 @@ impl<'a> Optics<'a> {
             if material.specular > 0.0 && light.halfway != DVec3::ZERO {
                 let mirroring = gradient.against(light.halfway);
                 // An even power has no sides.
-                let side = if material.two_sided && even { Sign::Up } else { sign(&mirroring, gradient.slack)? };
+                let side = if material.two_sided && even {
+                    Sign::Up
+                } else {
+                    sign(&mirroring, gradient.slack_against(light.halfway), false)?
+                };
                 if side == Sign::Up || material.two_sided {
                     let highlight = turned(&mirroring, side).power(material.shininess).ok_or(Obstacle::Near)?;
                     specular = highlight.scaled(material.specular);
@@ -191,10 +226,17 @@ impl<'a> Optics<'a> {
         Ok(lit)
     }
 
-    /// Whether the lit colour's clamp to 1 does nothing along a part: `colours` are those of [`Optics::colours`].
-    pub fn is_unclamped(&self, part: &Part, colours: &[[f64; 2]; 3]) -> bool {
+    /// Which channels of the lit colour are clamped to 1 along a whole part; an obstacle where one is in places.
+    pub fn clamped(&self, part: &Part, lights: &[ResolvedLight]) -> Result<[bool; 3], Obstacle> {
         let flat = part.gradient.as_ref().is_none_or(PartGradient::is_flat);
-        !self.lit || self.never_clamped || flat || colours.iter().all(|[_, high]| *high < 1.0)
+        if !self.lit || self.never_clamped || flat {
+            return Ok([false; 3]);
+        }
+        let raw = self.colours(part, lights, true);
+        if raw.iter().any(|[low, high]| *low < 1.0 && *high > 1.0) {
+            return Err(Obstacle::Near);
+        }
+        Ok(raw.map(|[low, _]| low >= 1.0))
     }
 
     /// The least and the largest colour along a part, whatever bends in it; before the clamp to 1 and the cue where `raw`.
@@ -208,18 +250,20 @@ impl<'a> Optics<'a> {
             for light in lights {
                 let of = |direction| {
                     let [low, high] = polynomial::range(&gradient.against(direction));
-                    cosines([low - gradient.slack, high + gradient.slack], magnitudes, material.two_sided)
+                    let slack = gradient.slack_against(direction);
+                    cosines([low - slack, high + slack], magnitudes, material.two_sided)
                 };
                 let facing = of(light.direction);
                 let highlight = of(light.halfway).map(|c| if c > 0.0 { libm::pow(c, material.shininess) } else { 0.0 });
                 // From behind a one-sided surface nothing is mirrored.
                 let least = if material.two_sided || facing[0] > 0.0 { highlight[0] } else { 0.0 };
+                let most = if material.two_sided || facing[1] > 0.0 { highlight[1] } else { 0.0 };
                 for i in 0..3 {
                     let of = |facing: f64, highlight: f64, rgb: f64| {
                         light.colour[i] * (material.diffuse * facing * rgb + material.specular * highlight)
                     };
                     lit[i][0] += of(facing[0], least, rgb[i][0]);
-                    lit[i][1] += of(facing[1], highlight[1], rgb[i][1]);
+                    lit[i][1] += of(facing[1], most, rgb[i][1]);
                 }
             }
             // Where it vanishes there is no normal, and ambient light alone.
@@ -240,8 +284,9 @@ impl<'a> Optics<'a> {
     pub fn moved(&self, part: &Part, stretch: &Stretch, lights: &[ResolvedLight]) -> Moved {
         let material = &self.scene.material;
         let value = 3.0 * part.slack;
-        let mut opacity = stretch.steepest_opacity() * value + 8.0 * f64::EPSILON;
-        let mut colour = stretch.steepest_colour() * value + 8.0 * f64::EPSILON;
+        let mut opacity = stretch.moved_opacity(value);
+        let rgb = stretch.steepest_colour() * value + 8.0 * f64::EPSILON;
+        let mut colour = rgb;
         let Some(gradient) = part.gradient.as_ref().filter(|gradient| !gradient.is_flat()) else {
             return Moved { colour, opacity };
         };
@@ -249,27 +294,39 @@ impl<'a> Optics<'a> {
         if self.two_dimensional {
             let g = &self.stretches.gradients;
             let steepest = g.windows(2).map(|pair| 1.0 / (pair[1] - pair[0])).fold(0.0, f64::max);
-            let moved = 8.0 * (gradient.slack + f64::EPSILON * most) * gradient.scale;
-            opacity += moved * steepest;
+            let moved = 8.0 * (gradient.moved() + f64::EPSILON * most) * gradient.scale;
+            opacity += moved * steepest + 8.0 * f64::EPSILON;
         }
         if self.lit {
-            let normal = (8.0 * gradient.slack / least + 8.0 * f64::EPSILON).min(2.0);
-            let sum: f64 = lights.iter().map(|light| light.colour.iter().copied().fold(0.0, f64::max)).sum();
-            colour +=
-                sum * (material.diffuse * (normal + colour) + material.specular * material.shininess.max(1.0) * normal);
+            let normal = (8.0 * gradient.moved() / least + 8.0 * f64::EPSILON).min(2.0);
+            for light in lights {
+                let strongest = light.colour.iter().copied().fold(0.0, f64::max);
+                let highlight = if material.shininess >= 1.0 {
+                    material.shininess * normal
+                } else {
+                    // Steeper without end as the cosine goes to 0, but |x^s − y^s| ≤ |x − y|^s.
+                    let mirroring = polynomial::range(&gradient.against(light.halfway));
+                    let least = cosines(mirroring, gradient.magnitudes(), material.two_sided)[0] - normal;
+                    let slope = material.shininess * libm::pow(least.max(0.0), material.shininess - 1.0);
+                    libm::pow(normal, material.shininess).min(slope * normal)
+                };
+                colour += strongest * (material.diffuse * (normal + rgb) + material.specular * highlight);
+            }
         }
         Moved { colour, opacity }
     }
 }
 
-/// Which way a product points; where it changes sides, and by more than rounding.
-fn sign(p: &Cubic, slack: f64) -> Result<Sign, Obstacle> {
+/// Which way a product points; where it changes sides, and by more than rounding. Where something jumps there rounding must not leave it open;
+/// no product at all is down.
+fn sign(p: &Cubic, slack: f64, jumps: bool) -> Result<Sign, Obstacle> {
     let [low, high] = polynomial::range(p);
-    if low >= -4.0 * slack {
-        return Ok(Sign::Up);
-    }
-    if high <= 4.0 * slack {
+    let room = if jumps { -4.0 * slack } else { 4.0 * slack };
+    if high <= room {
         return Ok(Sign::Down);
+    }
+    if low >= -room {
+        return Ok(Sign::Up);
     }
     if let Some(x) = polynomial::crossing(|x| polynomial::at(p, x), 0.0) {
         return Err(Obstacle::At(x));

@@ -24,14 +24,14 @@ pub(crate) struct PartGradient {
     /// Divided by `scale`.
     pub along: [Cubic; 3],
     pub scale: f64,
-    /// What rounding moves the scaled gradient by.
-    pub slack: f64,
+    /// What rounding moves each component of the scaled gradient by.
+    pub slack: [f64; 3],
     /// Its squared magnitude.
     pub square: [f64; 7],
 }
 
 impl PartGradient {
-    fn new(along: [Cubic; 3], scale: f64, slack: f64) -> PartGradient {
+    fn new(along: [Cubic; 3], scale: f64, slack: [f64; 3]) -> PartGradient {
         let mut square = [0.0; 7];
         for component in &along {
             for (i, a) in component.iter().enumerate() {
@@ -52,6 +52,19 @@ impl PartGradient {
         [0, 1, 2, 3].map(|k| -(0..3).map(|i| self.along[i][k] * direction[i]).sum::<f64>())
     }
 
+    /// What rounding moves that product by.
+    pub fn slack_against(&self, direction: DVec3) -> f64 {
+        (0..3).map(|i| self.slack[i] * direction[i].abs()).sum::<f64>()
+            + 4.0
+                * f64::EPSILON
+                * (0..3).map(|i| direction[i].abs() * self.along[i].iter().map(|c| c.abs()).sum::<f64>()).sum::<f64>()
+    }
+
+    /// What rounding moves the scaled gradient by, as a vector.
+    pub fn moved(&self) -> f64 {
+        self.slack.iter().sum()
+    }
+
     /// Zero along the whole part.
     pub fn is_flat(&self) -> bool {
         self.square[0] == 0.0 && self.along.iter().flatten().all(|c| *c == 0.0)
@@ -61,8 +74,8 @@ impl PartGradient {
     pub fn magnitudes(&self) -> [f64; 2] {
         let square = Disc::of_polynomial(&self.square, 1.0);
         let slack = 16.0 * f64::EPSILON * square.largest();
-        let least = (square.mid - square.radius - slack).max(0.0).sqrt() - self.slack;
-        [least.max(0.0), (square.largest() + slack).sqrt() + self.slack]
+        let least = (square.mid - square.radius - slack).max(0.0).sqrt() - self.moved();
+        [least.max(0.0), (square.largest() + slack).sqrt() + self.moved()]
     }
 }
 

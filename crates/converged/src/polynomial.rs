@@ -60,7 +60,7 @@ pub(crate) fn turns(p: &Cubic) -> [Option<f64>; 2] {
 pub(crate) fn crossing(f: impl Fn(f64) -> f64, level: f64) -> Option<f64> {
     let (mut left, mut right) = (-1.0, 1.0);
     let (mut at_left, mut at_right) = (f(left) - level, f(right) - level);
-    if !(at_left * at_right < 0.0) {
+    if at_left == 0.0 || at_right == 0.0 || (at_left < 0.0) == (at_right < 0.0) {
         return None;
     }
     for step in 0..60 {

@@ -2,7 +2,7 @@
 
 use crate::disc::Disc;
 use crate::gauss::{RULES, Rule};
-use crate::optics::{Moved, Obstacle, Optics, Smooth};
+use crate::optics::{Moved, Obstacle, Optics};
 use crate::part::Part;
 use crate::polynomial;
 use crate::stretches::{Layers, Stretch};
@@ -16,8 +16,9 @@ const SMALL_ELLIPSES: [f64; 2] = [2.5, 1.7];
 /// So few nodes are not worth a larger ellipse.
 const FEW_NODES: usize = 2;
 
-/// Shares of the tolerance: for what is seen of a part, for its length, and for what lies behind everything that is seen.
-const SHARES: [f64; 3] = [0.45, 0.4, 0.1];
+/// Shares of the tolerance: for what is seen of analytic parts, for their length, for parts of which ranges alone are known, and for what
+/// lies behind everything that is seen.
+const SHARES: [f64; 4] = [0.45, 0.35, 0.1, 0.1];
 
 /// What bounds of quadrature are widened by for the rounding of the bounds themselves.
 const WIDENED: f64 = 1.0 + 1e-9;
@@ -36,7 +37,7 @@ pub(crate) struct Request {
 impl Request {
     /// What a part of a length may be off by that hides at most `hidden` of what is behind it, of the light that arrives at it.
     pub fn allowed(&self, length: f64, hidden: f64, arriving: f64) -> f64 {
-        let [seen, long, _] = SHARES;
+        let [seen, long, ..] = SHARES;
         let share = length / self.length;
         match self.weight {
             Some(_) => self.tolerance * (seen + long) * share,
@@ -44,9 +45,16 @@ impl Request {
         }
     }
 
+    /// What a part may be off by of which ranges alone are known, after so many others on its ray: 1/2, 1/6, 1/12 … of their share, which add up
+    /// to it. It does not shrink with the part, as its error does.
+    pub fn allowed_range(&self, before: u64) -> f64 {
+        let count = before as f64;
+        self.tolerance * SHARES[2] / ((count + 1.0) * (count + 2.0))
+    }
+
     /// So little light does not matter.
     pub fn dark(&self) -> f64 {
-        SHARES[2] * self.tolerance
+        SHARES[3] * self.tolerance
     }
 }
 
@@ -69,16 +77,13 @@ pub(crate) struct Quadrature<'a> {
 
 impl Quadrature<'_> {
     /// Integrates a part in which everything is analytic, if few nodes hold the error that it is allowed.
-    pub fn analytic(&self, part: &Part, stretch: &Stretch, arriving: f64) -> Result<Added, Obstacle> {
+    pub fn analytic(&self, part: &Part, stretch: &Stretch, layers: Layers, arriving: f64) -> Result<Added, Obstacle> {
         if let Some(weight) = self.request.weight {
-            return self.analytic_sum(part, stretch, weight);
+            return self.analytic_sum(part, stretch, layers, weight);
         }
-        let layers = self.optics.layers(part).ok_or(Obstacle::Near)?;
-        if !self.optics.is_unclamped(part, &self.optics.colours(part, self.lights, true)) {
-            return Err(Obstacle::Near);
-        }
+        let full = self.optics.clamped(part, self.lights)?;
         let moved = self.optics.moved(part, stretch, self.lights);
-        let plan = |rho: f64, below: usize| self.plan(part, stretch, layers, rho, below, arriving);
+        let plan = |rho: f64, below: usize| self.plan(part, stretch, layers, [rho, arriving], below, full);
         let mut best: Option<Plan> = None;
         for rho in ELLIPSES {
             let below = best.as_ref().map_or(usize::MAX, |plan| plan.rule.count());
@@ -104,13 +109,13 @@ impl Quadrature<'_> {
         part: &Part,
         stretch: &Stretch,
         layers: Layers,
-        rho: f64,
+        [rho, arriving]: [f64; 2],
         below: usize,
-        arriving: f64,
+        full: [bool; 3],
     ) -> Result<Option<Plan>, Obstacle> {
         let reach = f64::midpoint(rho, 1.0 / rho);
-        let Smooth { opacity, colour } = self.optics.smooth(part, stretch, layers, self.lights, reach)?;
-        let extinction = opacity.affine(1.0, -1.0).minus_ln().ok_or(Obstacle::Near)?;
+        let smooth = self.optics.smooth(part, stretch, layers, self.lights, reach, full)?;
+        let (extinction, colour) = (smooth.extinction().ok_or(Obstacle::Near)?, smooth.colour);
         let hidden = -libm::expm1(-2.0 * part.half * extinction.mid);
         let allowed = self.request.allowed(part.length(), hidden, arriving) / arriving;
         let found = RULES.iter().take_while(|rule| rule.count() < below).find_map(|rule| {
@@ -118,6 +123,15 @@ impl Quadrature<'_> {
             (error <= allowed).then_some((rule, error))
         });
         Ok(found.map(|(rule, error)| Plan { rule, error, extinction, colour }))
+    }
+
+    /// The least that a unit length of a part lets through; `most` is its largest opacity.
+    fn least_clearness(&self, part: &Part, stretch: &Stretch, most: f64) -> f64 {
+        if self.optics.two_dimensional {
+            return 1.0 - most;
+        }
+        let clearness = polynomial::range(&part.value).map(|value| stretch.clearness_at(0, value));
+        clearness[0].min(clearness[1])
     }
 
     /// The rule's sums: τ to every node and to the end, and what is seen.
@@ -131,15 +145,14 @@ impl Quadrature<'_> {
     ) -> Result<Added, Obstacle> {
         let (half, rule) = (part.half, plan.rule);
         let most = self.optics.stretches.opacities(polynomial::range(&part.value), self.optics.magnitudes(part))[1];
-        let least_clear = 1.0 - most;
-        if !(least_clear > 4.0 * moved.opacity) {
+        let least_clear = self.least_clearness(part, stretch, most);
+        if least_clear <= 4.0 * moved.opacity {
             return Err(Obstacle::Near);
         }
         let constant = plan.extinction.radius == 0.0;
-        let extinction = |x: f64| -libm::log1p(-self.optics.opacity(part, stretch, layers, x));
         let mut extinctions = [0.0; 16];
         for (extinct, &x) in extinctions.iter_mut().zip(&rule.nodes) {
-            *extinct = if constant { plan.extinction.mid } else { extinction(x) };
+            *extinct = if constant { plan.extinction.mid } else { self.optics.extinction(part, stretch, layers, x) };
         }
         let extinctions = &extinctions[..rule.count()];
         let depth = half * dot(&rule.weights, extinctions);
@@ -165,12 +178,12 @@ impl Quadrature<'_> {
     }
 
     /// As [`Quadrature::analytic`], of a weighted sum: colours and opacities are polynomials.
-    fn analytic_sum(&self, part: &Part, stretch: &Stretch, weight: f64) -> Result<Added, Obstacle> {
-        let layers = self.optics.layers(part).ok_or(Obstacle::Near)?;
+    fn analytic_sum(&self, part: &Part, stretch: &Stretch, layers: Layers, weight: f64) -> Result<Added, Obstacle> {
         let moved = self.optics.moved(part, stretch, self.lights);
         let allowed = self.request.allowed(part.length(), 0.0, 1.0) / weight;
         for rho in ELLIPSES.into_iter().chain(SMALL_ELLIPSES) {
-            let Ok(smooth) = self.optics.smooth(part, stretch, layers, self.lights, f64::midpoint(rho, 1.0 / rho))
+            let Ok(smooth) =
+                self.optics.smooth(part, stretch, layers, self.lights, f64::midpoint(rho, 1.0 / rho), [false; 3])
             else {
                 continue;
             };

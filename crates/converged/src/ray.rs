@@ -36,6 +36,8 @@ pub(crate) struct Integral {
     pub evaluations: u64,
     /// Parts that were looked at.
     parts: u64,
+    /// Parts that were added of which ranges alone are known.
+    ranges: u64,
     /// A part behind which all may be hidden: the range of its colours.
     pending: Option<[[f64; 2]; 3]>,
     /// Nothing behind can matter.
@@ -67,6 +69,7 @@ impl<'a> Ray<'a> {
             bound: 0.0,
             evaluations: 0,
             parts: 0,
+            ranges: 0,
             pending: None,
             done: false,
         };
@@ -133,11 +136,14 @@ impl<'a> Ray<'a> {
         if stretch.clear {
             return false;
         }
-        if stretch.opaque && self.quadrature.request.weight.is_none() {
+        let layers = self.quadrature.optics.layers(&part);
+        if layers.is_some_and(|layers| stretch.is_opaque(layers)) && self.quadrature.request.weight.is_none() {
             self.opaque(&part, piece);
             return true;
         }
-        match self.quadrature.analytic(&part, &stretch, self.integral.transmittance) {
+        let arriving = self.integral.transmittance;
+        let analytic = |layers| self.quadrature.analytic(&part, &stretch, layers, arriving);
+        match layers.ok_or(Obstacle::Near).and_then(analytic) {
             Ok(added) => self.apply(added),
             Err(Obstacle::At(x)) if !last && x.abs() < 1.0 - 1e-12 => self.split(task, x, false),
             Err(_) => self.whole_or_halves(&part, task, last),
@@ -199,13 +205,14 @@ impl<'a> Ray<'a> {
         let Quadrature { optics, lights, request } = self.quadrature;
         let arriving = self.integral.transmittance;
         let known = Known::of(optics, lights, part);
-        let allowed = request.allowed(part.length(), -libm::expm1(-known.depth[1]), arriving);
+        let allowed = request.allowed_range(self.integral.ranges);
         let small = match request.weight {
             Some(weight) => known.error_of_sum() * weight <= allowed,
             None if known.hides_all => task.then_opaque && arriving * known.colour_half() <= allowed,
             None => arriving * known.error() <= allowed,
         };
         if small || last {
+            self.integral.ranges += 1;
             self.take(&known);
         } else {
             self.split(task, 0.0, false);

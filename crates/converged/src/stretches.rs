@@ -29,13 +29,24 @@ impl Stretch {
         a + b * (value - self.origin)
     }
 
-    pub fn colour_at(&self, value: f64) -> [f64; 3] {
-        self.colour.map(|[a, b]| (a + b * (value - self.origin)).clamp(0.0, 1.0))
+    /// What a unit length lets through: 1 − opacity, with the digits that it has where the opacity is near to 1.
+    pub fn clearness_at(&self, layer: usize, value: f64) -> f64 {
+        let [a, b] = self.opacity[layer];
+        (1.0 - a) - b * (value - self.origin)
     }
 
-    /// The largest slope of its opacity.
-    pub fn steepest_opacity(&self) -> f64 {
-        self.opacity.iter().fold(0.0, |most, line| most.max(line[1].abs()))
+    /// What rounding of a value by `slack` and of the line itself moves an opacity by, and one minus it: nothing where it is level.
+    pub fn moved_opacity(&self, slack: f64) -> f64 {
+        let of = |layer: usize| {
+            let slope = self.opacity[layer][1].abs();
+            let ends = self.values.map(|end| if end.is_finite() { self.clearness_at(layer, end).abs() } else { 0.0 });
+            if slope == 0.0 { 0.0 } else { slope * slack + 8.0 * f64::EPSILON * ends[0].max(ends[1]) }
+        };
+        (0..self.opacity.len()).map(of).fold(0.0, f64::max)
+    }
+
+    pub fn colour_at(&self, value: f64) -> [f64; 3] {
+        self.colour.map(|[a, b]| (a + b * (value - self.origin)).clamp(0.0, 1.0))
     }
 
     /// The largest slope of its colour.
@@ -43,8 +54,18 @@ impl Stretch {
         self.colour.iter().fold(0.0, |most, line| most.max(line[1].abs()))
     }
 
+    /// Whether nothing is seen through it where some layers count.
+    pub fn is_opaque(&self, layers: Layers) -> bool {
+        let full = |layer: usize| self.opacity[layer] == [1.0, 0.0];
+        !self.clear
+            && match layers {
+                Layers::One(layer) => full(layer),
+                Layers::Between(layer) => full(layer) && full(layer + 1),
+            }
+    }
+
     /// Both ends of the part of some values that lies in it.
-    fn part(&self, [low, high]: [f64; 2]) -> [f64; 2] {
+    pub fn part(&self, [low, high]: [f64; 2]) -> [f64; 2] {
         let part = [low.max(self.values[0]), high.min(self.values[1])];
         // Values that only touch it from outside.
         if part[0] > part[1] { [part[0].min(self.values[1]); 2] } else { part }
@@ -199,23 +220,41 @@ impl Stretches {
 
     /// The least and the largest opacity of values and gradient magnitudes.
     pub fn opacities(&self, values: [f64; 2], magnitudes: [f64; 2]) -> [f64; 2] {
-        let layers = match self.gradients.len() {
-            0 => 0..1,
-            n => {
-                let first = self.gradients.partition_point(|g| *g < magnitudes[0]).saturating_sub(1);
-                first..self.gradients.partition_point(|g| *g <= magnitudes[1]).min(n - 1) + 1
-            }
-        };
+        let layers = self.layers_of(magnitudes);
         let of = |stretch: &Stretch| {
             if stretch.clear {
                 return [0.0; 2];
             }
             let ends = stretch.part(values);
-            let all = layers.clone().flat_map(|layer| ends.map(|value| stretch.opacity_at(layer, value)));
-            hull(all)
+            hull(layers.iter().flat_map(|&(layer, weight)| {
+                let at = |layer: usize, value: f64| stretch.opacity_at(layer, value);
+                ends.map(|value| {
+                    if weight == 0.0 {
+                        at(layer, value)
+                    } else {
+                        at(layer, value) + weight * (at(layer + 1, value) - at(layer, value))
+                    }
+                })
+            }))
         };
         let [low, high] = hull(self.between(values).iter().flat_map(of));
         [low.clamp(0.0, 1.0), high.clamp(0.0, 1.0)]
+    }
+
+    /// The layers that bound opacity between two magnitudes, each with the weight of the next one: of both ends, and of all in between.
+    fn layers_of(&self, magnitudes: [f64; 2]) -> Vec<(usize, f64)> {
+        let g = &self.gradients;
+        let Some(last) = g.len().checked_sub(1) else { return vec![(0, 0.0)] };
+        let end = |magnitude: f64| {
+            let above = g.partition_point(|g| *g <= magnitude);
+            match above {
+                0 => (0, 0.0),
+                _ if above > last => (last, 0.0),
+                _ => (above - 1, ((magnitude - g[above - 1]) / (g[above] - g[above - 1])).clamp(0.0, 1.0)),
+            }
+        };
+        let inside = (0..=last).filter(|&i| magnitudes[0] <= g[i] && g[i] <= magnitudes[1]).map(|i| (i, 0.0));
+        magnitudes.map(end).into_iter().chain(inside).collect()
     }
 
     /// The least and the largest colour of values.

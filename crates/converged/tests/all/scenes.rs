@@ -2,7 +2,8 @@
 //! cuts, thresholds, cues, labels, eyes in the volume, voxels that are far from cubes.
 
 use cube3_scene::{
-    ColourPoint, Crop, Cut, DepthCue, Image, Layer, Light, Material, Mode, Perspective, Scene, Threshold, Transfer, View,
+    ColourPoint, Crop, Cut, DepthCue, Image, Layer, Light, Material, Mode, Perspective, Scene, Threshold, Transfer,
+    View,
 };
 use cube3_volume::{Samples, Volume};
 use rand_chacha::ChaCha8Rng;
@@ -73,9 +74,8 @@ impl Dice {
 
     fn transfer(&mut self) -> Transfer {
         let colours = 1 + self.below(4);
-        let mut colour: Vec<ColourPoint> = (0..colours)
-            .map(|_| ColourPoint { value: self.between(0.0, 255.0).round(), rgb: self.colour() })
-            .collect();
+        let mut colour: Vec<ColourPoint> =
+            (0..colours).map(|_| ColourPoint { value: self.between(0.0, 255.0).round(), rgb: self.colour() }).collect();
         colour.sort_by(|a, b| a.value.total_cmp(&b.value));
         let mut transfer = Transfer { colour, opacity: self.ramp(), ..Transfer::default() };
         if self.once_in(6) {
@@ -141,8 +141,7 @@ pub fn random(seed: u64, pixels: u32) -> (Volume, Scene) {
     let mut view = View::from_direction(dice.direction(), None);
     if dice.once_in(3) {
         let eye_voxel = if dice.once_in(2) { Some(extent(dice)) } else { None };
-        view.perspective =
-            Some(Perspective { eye_voxel, ..Perspective::new(dice.one_of(&[0.01, 20.0, 60.0, 150.0])) });
+        view.perspective = Some(Perspective { eye_voxel, ..Perspective::new(dice.one_of(&[0.01, 20.0, 60.0, 150.0])) });
     }
     let light = |dice: &mut Dice| Light {
         direction: if dice.once_in(2) { None } else { Some(dice.direction()) },
