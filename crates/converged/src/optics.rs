@@ -281,7 +281,7 @@ impl<'a> Optics<'a> {
     }
 
     /// What rounding moves a part's colour and opacity by.
-    pub fn moved(&self, part: &Part, stretch: &Stretch, lights: &[ResolvedLight]) -> Moved {
+    pub fn moved(&self, part: &Part, stretch: &Stretch, layers: Layers, lights: &[ResolvedLight]) -> Moved {
         let material = &self.scene.material;
         let value = 3.0 * part.slack;
         let mut opacity = stretch.moved_opacity(value);
@@ -291,7 +291,7 @@ impl<'a> Optics<'a> {
             return Moved { colour, opacity };
         };
         let [least, most] = gradient.magnitudes();
-        if self.two_dimensional {
+        if let Layers::Between(_) = layers {
             let g = &self.stretches.gradients;
             let steepest = g.windows(2).map(|pair| 1.0 / (pair[1] - pair[0])).fold(0.0, f64::max);
             let moved = 8.0 * (gradient.moved() + f64::EPSILON * most) * gradient.scale;

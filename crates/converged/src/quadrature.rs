@@ -82,7 +82,7 @@ impl Quadrature<'_> {
             return self.analytic_sum(part, stretch, layers, weight);
         }
         let full = self.optics.clamped(part, self.lights)?;
-        let moved = self.optics.moved(part, stretch, self.lights);
+        let moved = self.optics.moved(part, stretch, layers, self.lights);
         let plan = |rho: f64, below: usize| self.plan(part, stretch, layers, [rho, arriving], below, full);
         let mut best: Option<Plan> = None;
         for rho in ELLIPSES {
@@ -126,11 +126,9 @@ impl Quadrature<'_> {
     }
 
     /// The least that a unit length of a part lets through; `most` is its largest opacity.
-    fn least_clearness(&self, part: &Part, stretch: &Stretch, most: f64) -> f64 {
-        if self.optics.two_dimensional {
-            return 1.0 - most;
-        }
-        let clearness = polynomial::range(&part.value).map(|value| stretch.clearness_at(0, value));
+    fn least_clearness(&self, part: &Part, stretch: &Stretch, layers: Layers, most: f64) -> f64 {
+        let Layers::One(layer) = layers else { return 1.0 - most };
+        let clearness = polynomial::range(&part.value).map(|value| stretch.clearness_at(layer, value));
         clearness[0].min(clearness[1])
     }
 
@@ -145,7 +143,7 @@ impl Quadrature<'_> {
     ) -> Result<Added, Obstacle> {
         let (half, rule) = (part.half, plan.rule);
         let most = self.optics.stretches.opacities(polynomial::range(&part.value), self.optics.magnitudes(part))[1];
-        let least_clear = self.least_clearness(part, stretch, most);
+        let least_clear = self.least_clearness(part, stretch, layers, most);
         if least_clear <= 4.0 * moved.opacity {
             return Err(Obstacle::Near);
         }
@@ -179,7 +177,7 @@ impl Quadrature<'_> {
 
     /// As [`Quadrature::analytic`], of a weighted sum: colours and opacities are polynomials.
     fn analytic_sum(&self, part: &Part, stretch: &Stretch, layers: Layers, weight: f64) -> Result<Added, Obstacle> {
-        let moved = self.optics.moved(part, stretch, self.lights);
+        let moved = self.optics.moved(part, stretch, layers, self.lights);
         let allowed = self.request.allowed(part.length(), 0.0, 1.0) / weight;
         for rho in ELLIPSES.into_iter().chain(SMALL_ELLIPSES) {
             let Ok(smooth) =

@@ -173,7 +173,7 @@ impl<'a> Ray<'a> {
             return true;
         }
         let slope = part.value[1] + x * (2.0 * part.value[2] + x * 3.0 * part.value[3]);
-        let around = (4.0 * part.slack / slope.abs()).max(4.0 * f64::EPSILON);
+        let around = (64.0 * part.slack / slope.abs()).max(4.0 * f64::EPSILON);
         if !(around < 1e-3) {
             return false;
         }
