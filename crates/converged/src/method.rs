@@ -2,7 +2,9 @@
 
 use crate::{ConvergedOptions, TOLERANCES, converged};
 use cube3_picture::{Phase, Rendering, Watch};
-use cube3_rendering::{About, Feature, MethodError, MethodOption, OptionKind, SceneMethod, SceneSubject, Settings};
+use cube3_rendering::{
+    About, Feature, MethodError, MethodOption, OptionKind, SceneMethod, SceneSubject, Settings, Sparse,
+};
 use cube3_scene::Mode;
 
 /// The place of the tolerance among the options.
@@ -38,17 +40,18 @@ pub const CONVERGED: SceneMethod = SceneMethod {
         }],
     },
     render,
+    sparse: Some(sparse),
     finer: None,
 };
+
+fn options(subject: &SceneSubject<'_>, settings: &Settings, every: usize) -> ConvergedOptions {
+    ConvergedOptions { tolerance: settings.value(TOLERANCE), border: subject.border, every }
+}
 
 fn render(subject: &SceneSubject<'_>, settings: &Settings, watch: Watch<'_>) -> Result<Rendering, MethodError> {
     let rows = u64::from(subject.scene.image.height_px);
     let report = |done| watch("rays", done, rows);
-    let options = ConvergedOptions {
-        tolerance: settings.value(TOLERANCE),
-        border: subject.border,
-        ..ConvergedOptions::default()
-    };
+    let options = options(subject, settings, 1);
     let (made, phase) = Phase::of("rays", || converged(subject.volume, subject.scene, &options, Some(&report)));
     let made = made.map_err(MethodError::refused)?;
     Ok(Rendering {
@@ -58,4 +61,10 @@ fn render(subject: &SceneSubject<'_>, settings: &Settings, watch: Watch<'_>) -> 
         bytes: subject.volume.bytes(),
         bound: Some(made.bounds),
     })
+}
+
+fn sparse(subject: &SceneSubject<'_>, settings: &Settings, every: usize) -> Result<Sparse, MethodError> {
+    let options = options(subject, settings, every);
+    let made = converged(subject.volume, subject.scene, &options, None).map_err(MethodError::refused)?;
+    Ok(Sparse { picture: made.picture, bound: Some(made.bounds) })
 }

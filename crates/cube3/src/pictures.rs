@@ -6,7 +6,7 @@ use cube3_host::{PictureFrames, warp_passes};
 use cube3_inputs::LoadedVolume;
 use cube3_method::Choice;
 use cube3_metrics::{ImageError, compare, difference, footprint, suggested_factor};
-use cube3_picture::Picture;
+use cube3_picture::{Picture, Rendering};
 use cube3_report::{DigestReport, ErrorReport, sha256_hex};
 use cube3_scene::Scene;
 
@@ -73,9 +73,10 @@ pub(crate) fn measure(
     scene: &Scene,
     frames: &PictureFrames,
     volume: &LoadedVolume,
-    picture: Picture,
+    rendering: Rendering,
     pictures: &mut Pictures,
 ) -> Outcome<ErrorReport> {
+    let Rendering { picture, bound, .. } = rendering;
     let Some(image) = &pictures.image else {
         return Err(Error::NoPicture);
     };
@@ -85,6 +86,7 @@ pub(crate) fn measure(
     pictures.difference = Some(difference(image, &picture, f64::from(factor))?);
     pictures.reference = Some(picture);
     let mut error = ErrorReport::new(reference.to_string(), &comparison, f64::from(factor));
+    error.reference_bound = bound.map(|bound| bound.into_iter().fold(0.0, f64::max));
     error.gradient_mean_deg = gradient_error::mean_angle_deg(&frames.setups, &volume.words);
     Ok(error)
 }

@@ -91,7 +91,7 @@ pub fn run_frame(
         let rendering = choice.render(&subject, watch)?;
         reference_s = Some(rendering.seconds());
         let own = own_error(choice, &subject, &rendering.picture)?;
-        let mut report = measure(choice, scene, &frames, volume, rendering.picture, &mut pictures)?;
+        let mut report = measure(choice, scene, &frames, volume, rendering, &mut pictures)?;
         run.told.extend(reference::note(own.as_ref(), &report));
         report.reference = own.as_ref().map(reference::report);
         error = Some(report);

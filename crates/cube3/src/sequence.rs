@@ -149,16 +149,15 @@ pub fn run_sequence(
                 let subject = Subject { frames: Some(&frame), ..Subject::new(view, machine, &expected) };
                 let rendering = choice.render(&subject, watch)?;
                 *reference_s.get_or_insert(0.0) += rendering.seconds();
-                let picture = rendering.picture;
                 if index == 0 {
-                    let own = own_error(choice, &subject, &picture)?;
-                    let mut report = measure(choice, view, &frame, &expected, picture, &mut shown)?;
+                    let own = own_error(choice, &subject, &rendering.picture)?;
+                    let mut report = measure(choice, view, &frame, &expected, rendering, &mut shown)?;
                     run.told.extend(reference::note(own.as_ref(), &report));
                     report.reference = own.as_ref().map(reference::report);
                     (error, object, remark) = (report.whole, report.footprint.error, report.remark.clone());
                     first_error = Some(report);
                 } else {
-                    [error, object] = frame_errors(&shown, &picture, view.background)?;
+                    [error, object] = frame_errors(&shown, &rendering.picture, view.background)?;
                     remark = error.is_none().then(|| NO_OBJECT.into());
                 }
             }

@@ -24,4 +24,6 @@ pub use choice::Choice;
 pub use error::RenderError;
 pub use own_error::{OwnError, own_error};
 pub use subject::Subject;
-pub use table::{CONVERGED, CYCLE, FUNCTION, IMAGE_ORDER, METHODS, Method, Render, RenderMachine, SHEARED, TRUE, find, names};
+pub use table::{
+    CONVERGED, CYCLE, FUNCTION, IMAGE_ORDER, METHODS, Method, Render, RenderMachine, SHEARED, TRUE, find, names,
+};

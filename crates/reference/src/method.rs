@@ -1,8 +1,10 @@
 //! Image order as a row of the table of methods.
 
 use crate::{ImageOrderOptions, image_order};
-use cube3_picture::{Phase, Picture, Rendering, Watch};
-use cube3_rendering::{About, Feature, MethodError, MethodOption, OptionKind, SceneMethod, SceneSubject, Settings};
+use cube3_picture::{Phase, Rendering, Watch};
+use cube3_rendering::{
+    About, Feature, MethodError, MethodOption, OptionKind, SceneMethod, SceneSubject, Settings, Sparse,
+};
 
 /// Steps that can be asked for, in units of the smallest voxel spacing: shorter ones take minutes, and longer ones skip what they are to
 /// measure, also at half the step.
@@ -28,7 +30,8 @@ pub const IMAGE_ORDER: SceneMethod = SceneMethod {
         }],
     },
     render,
-    finer: Some(finer),
+    sparse: Some(sparse),
+    finer: Some(half_the_step),
 };
 
 fn options(subject: &SceneSubject<'_>, settings: &Settings) -> ImageOrderOptions {
@@ -50,10 +53,12 @@ fn render(subject: &SceneSubject<'_>, settings: &Settings, watch: Watch<'_>) -> 
     })
 }
 
-/// At half the step.
-fn finer(subject: &SceneSubject<'_>, settings: &Settings, every: usize) -> Result<(Picture, Settings), MethodError> {
-    let settings = settings.clone().with(STEP, settings.value(STEP) / 2.0);
-    let options = ImageOrderOptions { every, ..options(subject, &settings) };
+fn sparse(subject: &SceneSubject<'_>, settings: &Settings, every: usize) -> Result<Sparse, MethodError> {
+    let options = ImageOrderOptions { every, ..options(subject, settings) };
     let made = image_order(subject.volume, subject.scene, &options, None).map_err(MethodError::refused)?;
-    Ok((made.picture, settings))
+    Ok(Sparse { picture: made.picture, bound: None })
+}
+
+fn half_the_step(settings: &Settings) -> Settings {
+    settings.clone().with(STEP, settings.value(STEP) / 2.0)
 }

@@ -41,9 +41,17 @@ pub struct SceneSubject<'a> {
 /// Makes a picture of a scene and a volume.
 pub type RenderScene = fn(&SceneSubject<'_>, &Settings, Watch<'_>) -> Result<Rendering, MethodError>;
 
-/// Makes the same picture again with less error, where that can be done, on each `every`th pixel of a row and each `every`th row; and tells the
-/// settings of it.
-pub type RenderFiner = fn(&SceneSubject<'_>, &Settings, every: usize) -> Result<(Picture, Settings), MethodError>;
+/// Every so many pixels of a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sparse {
+    /// The pixels.
+    pub picture: Picture,
+    /// As [`Rendering::bound`].
+    pub bound: Option<Vec<f64>>,
+}
+
+/// Makes each `every`th pixel of a row and each `every`th row, from the top left one on.
+pub type RenderSparse = fn(&SceneSubject<'_>, &Settings, every: usize) -> Result<Sparse, MethodError>;
 
 /// A method that needs scene and volume alone.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +60,8 @@ pub struct SceneMethod {
     pub about: About,
     /// How it makes a picture.
     pub render: RenderScene,
-    /// How its own error is looked at, where it can be.
-    pub finer: Option<RenderFiner>,
+    /// How some of the pixels are made, where they can be made alone.
+    pub sparse: Option<RenderSparse>,
+    /// The settings with less error, where the method has steps of its own and so an error of its own.
+    pub finer: Option<fn(&Settings) -> Settings>,
 }

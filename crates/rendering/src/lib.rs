@@ -13,7 +13,7 @@ mod error;
 mod feature;
 mod options;
 
-pub use about::{About, SceneMethod, SceneSubject};
+pub use about::{About, RenderScene, RenderSparse, SceneMethod, SceneSubject, Sparse};
 pub use error::MethodError;
 pub use feature::Feature;
 pub use options::{MethodOption, OptionKind, Settings};

@@ -212,7 +212,16 @@ pub(crate) fn errors(error: &ErrorReport) -> Vec<(&'static str, [String; 2])> {
         ("Pixels off by more than 1/255", both(|e| percentage(e.fraction_off))),
     ];
     if let Some(own) = &error.reference {
-        rows.push(("The reference's own, at half its step", [String::new(), percentage(own.error.mean_relative)]));
+        // Without a bound it was held against itself at half its step.
+        let what = if own.against_bound.is_some() {
+            "The reference's own, to the converged integral"
+        } else {
+            "The reference's own, at half its step"
+        };
+        rows.push((what, [String::new(), percentage(own.error.mean_relative)]));
+    }
+    if let Some(bound) = error.reference_bound {
+        rows.push(("The reference's own, at most, of a channel", [percentage(bound), String::new()]));
     }
     if let Some(angle) = error.gradient_mean_deg {
         rows.push(("Mean gradient angle", [String::new(), format!("{}°", number(angle))]));

@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// The number of the present layout. It rises when a key changes its meaning or goes away.
-pub const SCHEMA: u32 = 2;
+pub const SCHEMA: u32 = 3;
 
 /// Everything that one run of `cube3 run` found out.
 ///
@@ -404,19 +404,25 @@ pub struct ErrorReport {
     pub footprint: FootprintError,
     /// What the difference picture is magnified by.
     pub difference_factor: f64,
-    /// How far the reference is from the same at half its step. Absent where it has no step of its own.
+    /// The most that a channel of the reference's pixels is off by. Absent where its method proves no bound.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_bound: Option<f64>,
+    /// How far the reference is from the integral that it stands for. Absent where it has no step of its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference: Option<ReferenceError>,
 }
 
-/// The reference's own error: its distance to the same reference at half the step, over the object, on every fourth pixel each way. Of a
-/// method of the second order on a smooth scene that is three quarters of its error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// The reference's own error: its distance to the converged integral, over the object, on every fourth pixel each way. In the modes that choose
+/// a sample there is no integral, and it is the distance to the same reference at half the step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ReferenceError {
-    /// Its step, in units of the smallest voxel spacing.
-    pub step_voxel: f64,
-    /// The step that it is compared with.
-    pub against_step_voxel: f64,
+    /// The reference with its options.
+    pub of: String,
+    /// What it is held against, with its options.
+    pub against: String,
+    /// The most that this is itself off by. Absent where it proves no bound.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub against_bound: Option<f64>,
     /// The same keys as for the whole image.
     #[serde(flatten)]
     pub error: ImageError,
@@ -444,6 +450,7 @@ impl ErrorReport {
             gradient_mean_deg: None,
             footprint: FootprintError { error: comparison.footprint, pixels: comparison.footprint_pixels },
             difference_factor,
+            reference_bound: None,
             reference: None,
         }
     }

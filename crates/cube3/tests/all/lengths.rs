@@ -118,7 +118,7 @@ fn a_bright_voxel_keeps_its_value_in_a_maximum_projection() {
     }
 }
 
-/// Machine and reference sample layers where they are brightest, and agree; the reference at half its step does not.
+/// Machine and reference sample layers where they are brightest, and agree; the integral does not.
 #[test]
 fn a_pattern_that_aliases_in_both_is_seen_in_the_references_own_error() {
     let volume = load([16, 33, 16], |_, y, _| if y % 2 == 1 { 200 } else { 0 });
@@ -129,12 +129,13 @@ fn a_pattern_that_aliases_in_both_is_seen_in_the_references_own_error() {
     let [machine_, reference] = both(&coarse);
     assert!((machine_ - through(0.04, 16.0)).abs() < 0.1 && (reference - machine_).abs() < 0.1);
     let error = coarse.report.error.unwrap();
-    let own = error.reference.unwrap();
-    assert_eq!((own.step_voxel, own.against_step_voxel), (1.0, 0.5));
+    let own = error.reference.clone().unwrap();
+    assert_eq!((own.of.as_str(), own.against.as_str()), ("image-order:1", "converged:0.00001"));
+    assert!(own.against_bound.is_some_and(|bound| bound <= 1e-5));
     // What is measured is the volume's border, over which the warp fades.
     let measured = error.footprint.error.unwrap().mean_relative;
     assert!(own.error.mean_relative > 4.0 * measured, "{own:?} beside {measured}");
-    let told = coarse.notes.iter().any(|note| note.contains("--reference image-order:0.25"));
+    let told = coarse.notes.iter().any(|note| note.contains("--reference converged"));
     assert!(told, "{:?}", coarse.notes);
     let fine = run(&scene, &machine(0.0, RayEnds::Published), &volume, Some("image-order:0.0078125".parse().unwrap()));
     assert!((both(&fine)[1] - right).abs() < 0.7, "{} of {right}", both(&fine)[1]);

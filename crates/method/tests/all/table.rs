@@ -211,6 +211,7 @@ const FLAT: SceneMethod = SceneMethod {
         }],
     },
     render: flat,
+    sparse: None,
     finer: None,
 };
 
@@ -249,7 +250,8 @@ fn a_method_that_is_added_is_one_line_of_the_table() {
     );
 }
 
-/// Image order is looked at with half its step, on a sixteenth of the pixels; the error is second order in the step.
+/// Image order is held against the integral that it comes to, on a sixteenth of the pixels; where a mode chooses a sample, against half its
+/// step.
 #[test]
 fn a_method_with_a_finer_one_says_how_far_it_is_from_itself() {
     let scene = scene();
@@ -261,9 +263,16 @@ fn a_method_with_a_finer_one_says_how_far_it_is_from_itself() {
         own_error(&choice, &subject, &picture).unwrap()
     };
     let coarse = own("image-order:2").unwrap();
-    assert_eq!(coarse.choices[1].to_string(), "image-order:1");
+    assert_eq!([coarse.of.to_string(), coarse.against.to_string()], ["image-order:2", "converged:0.00001"]);
+    assert!(coarse.bound.is_some_and(|bound| bound > 0.0 && bound <= 1e-5));
     let fine = own("image-order:0.25").unwrap();
     assert!(fine.error.mean_relative < coarse.error.mean_relative / 4.0, "{fine:?} {coarse:?}");
     assert!(coarse.pixels > 4 && coarse.pixels <= 8 * 7, "{}", coarse.pixels);
-    assert_eq!(own("sheared"), None);
+    assert_eq!((own("sheared"), own("converged")), (None, None));
+    let brightest = Scene { mode: Mode::Maximum, ..scene.clone() };
+    let subject = Subject::new(&brightest, &machine, &volume);
+    let choice: Choice = "image-order:1".parse().unwrap();
+    let picture = choice.render(&subject, &|_, _, _| {}).unwrap().picture;
+    let own = own_error(&choice, &subject, &picture).unwrap().unwrap();
+    assert_eq!((own.against.to_string().as_str(), own.bound), ("image-order", None));
 }

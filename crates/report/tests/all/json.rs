@@ -96,7 +96,7 @@ fn has_every_key_that_scripts_rely_on() {
     ] {
         assert!(value.pointer(pointer).is_some(), "{pointer}");
     }
-    assert_eq!(value["schema"], 2);
+    assert_eq!(value["schema"], 3);
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn every_double_comes_back_to_the_bit() {
 fn is_indented_and_ends_in_a_newline() {
     let mut bytes = Vec::new();
     write_json(&sample::report(), &mut bytes).unwrap();
-    assert!(bytes.starts_with(b"{\n  \"schema\": 2,\n"));
+    assert!(bytes.starts_with(b"{\n  \"schema\": 3,\n"));
     assert!(bytes.ends_with(b"}\n"));
 }
 
@@ -179,7 +179,7 @@ fn another_schema_is_named() {
 
 #[test]
 fn text_that_is_no_report_is_an_error() {
-    for text in ["", "{", "[]", "{}", "{\"schema\":2}"] {
+    for text in ["", "{", "[]", "{}", "{\"schema\":3}"] {
         assert!(matches!(from_json(text), Err(ReportError::Json(_))), "{text}");
     }
 }

@@ -8,7 +8,7 @@ use cube3_report::{
 use serde_json::Value;
 
 /// Keys that are not there in every report, by their path with `[]` for any element of a list.
-const OPTIONAL: [&str; 17] = [
+const OPTIONAL: [&str; 19] = [
     "/sequence",
     "/volume/axes",
     "/view/sides",
@@ -21,6 +21,8 @@ const OPTIONAL: [&str; 17] = [
     "/words/opacity",
     "/error/remark",
     "/error/reference",
+    "/error/reference/against_bound",
+    "/error/reference_bound",
     "/sequence/frames[]/remark",
     "/view/perspective/passes[]/gradient",
     // Names in open maps.
