@@ -10,6 +10,9 @@ use cube3_scene::Mode;
 /// The place of the tolerance among the options.
 pub const TOLERANCE: usize = 0;
 
+/// The number of the arithmetic: pictures are kept under it.
+const ARITHMETIC: u32 = 1;
+
 /// All but the modes that choose one sample.
 const SUPPORTS: &[Feature] = &[
     Feature::Perspective,
@@ -41,6 +44,7 @@ pub const CONVERGED: SceneMethod = SceneMethod {
     },
     render,
     sparse: Some(sparse),
+    kept: Some(ARITHMETIC),
     finer: None,
 };
 

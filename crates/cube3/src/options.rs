@@ -1,6 +1,6 @@
 //! How a frame or a sequence is run.
 
-use cube3_method::{Choice, IMAGE_ORDER};
+use cube3_method::{Cache, Choice, IMAGE_ORDER};
 
 /// Most frames of a sequence.
 pub const MOST_FRAMES: usize = 100_000;
@@ -38,6 +38,8 @@ pub struct RunOptions {
     pub runs: Runs,
     /// What the picture is measured against.
     pub reference: Option<Choice>,
+    /// Where references that are worth it are kept; they are made anew without.
+    pub cache: Option<Cache>,
     /// Leave out what cannot change the picture.
     pub plan: bool,
     /// Find what limits the frame rate: the machine is run again with one resource at a time out of the way.
@@ -50,6 +52,6 @@ impl Default for RunOptions {
     /// *timing* and *function*, against image order in steps of half a voxel.
     fn default() -> RunOptions {
         let reference = Some(Choice::of(&IMAGE_ORDER));
-        RunOptions { runs: Runs::Both, reference, plan: true, limits: true, seed: 0 }
+        RunOptions { runs: Runs::Both, reference, cache: None, plan: true, limits: true, seed: 0 }
     }
 }

@@ -1,6 +1,8 @@
 //! What a picture is measured against, and how far that itself is from the truth.
 
-use cube3_method::{Choice, OwnError};
+use crate::{Outcome, RunOptions};
+use cube3_method::{Choice, Kept, OwnError, Subject};
+use cube3_picture::{Rendering, Watch};
 use cube3_report::{ErrorReport, ReferenceError};
 
 /// The part of the distance between machine and reference from which on the reference's own error is not small beside it.
@@ -8,6 +10,24 @@ const SMALL: f64 = 0.25;
 
 /// An error of the reference that nobody need know of: a tenth of a level of 255.
 const NOTHING: f64 = 0.1 / 255.0;
+
+/// The reference's picture of a subject, kept or made, and what to say of that.
+pub(crate) fn rendered(
+    options: &RunOptions,
+    choice: &Choice,
+    subject: &Subject<'_>,
+    watch: Watch<'_>,
+) -> Outcome<(Rendering, Option<String>)> {
+    let Some(cache) = &options.cache else {
+        return Ok((choice.render(subject, watch)?, None));
+    };
+    let Kept { rendering, made_s, unkept } = cache.render(choice, subject, watch)?;
+    let found = made_s.map(|seconds| format!("the reference was made by an earlier run, in {seconds:.2} s, and kept"));
+    Ok((
+        rendering,
+        found.or_else(|| unkept.map(|why| format!("the reference could not be kept for the next run: {why}"))),
+    ))
+}
 
 /// A reference's own error as the report has it.
 pub(crate) fn report(own: &OwnError) -> ReferenceError {

@@ -88,7 +88,8 @@ pub fn run_frame(
     let (mut error, mut reference_s) = (None, None);
     if let (Some(choice), Some(_)) = (&options.reference, &pictures.image) {
         let subject = Subject { frames: Some(&frames), ..Subject::new(scene, machine, volume) };
-        let rendering = choice.render(&subject, watch)?;
+        let (rendering, told) = reference::rendered(options, choice, &subject, watch)?;
+        run.told.extend(told);
         reference_s = Some(rendering.seconds());
         let own = own_error(choice, &subject, &rendering.picture)?;
         let mut report = measure(choice, scene, &frames, volume, rendering, &mut pictures)?;

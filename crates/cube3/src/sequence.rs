@@ -147,7 +147,8 @@ pub fn run_sequence(
             if let Some(choice) = &options.reference {
                 let expected = series.volume(mixture.oldest)?;
                 let subject = Subject { frames: Some(&frame), ..Subject::new(view, machine, &expected) };
-                let rendering = choice.render(&subject, watch)?;
+                let (rendering, told) = reference::rendered(options, choice, &subject, watch)?;
+                run.told.extend(told.filter(|_| index == 0));
                 *reference_s.get_or_insert(0.0) += rendering.seconds();
                 if index == 0 {
                     let own = own_error(choice, &subject, &rendering.picture)?;

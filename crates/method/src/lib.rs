@@ -6,12 +6,14 @@
 //! - [`Method`]: a row: what is said of it, and how it makes a picture.
 //! - [`Choice`]: a row with its options, as it stands on a command line.
 //! - [`Subject`]: scene, volume and machine.
+//! - [`Cache`]: pictures that are kept by what they were made of.
 //!
 //! A method that needs scene and volume alone is a [`SceneMethod`](cube3_rendering::SceneMethod) of its own crate; it is one line of [`METHODS`].
 //! Those of the machine, with its clock and without, and of its twin in reals stand here: they need registers, which the host makes.
 
 #![warn(missing_docs)]
 
+mod cache;
 mod choice;
 mod error;
 mod machine;
@@ -20,6 +22,7 @@ mod subject;
 mod table;
 mod twin;
 
+pub use cache::{Cache, Kept};
 pub use choice::Choice;
 pub use error::RenderError;
 pub use own_error::{OwnError, own_error};

@@ -31,6 +31,7 @@ pub const IMAGE_ORDER: SceneMethod = SceneMethod {
     },
     render,
     sparse: Some(sparse),
+    kept: None,
     finer: Some(half_the_step),
 };
 

@@ -62,6 +62,8 @@ pub struct SceneMethod {
     pub render: RenderScene,
     /// How some of the pixels are made, where they can be made alone.
     pub sparse: Option<RenderSparse>,
+    /// The number of the method's arithmetic, where its pictures are worth keeping: it rises when a picture would come out otherwise.
+    pub kept: Option<u32>,
     /// The settings with less error, where the method has steps of its own and so an error of its own.
     pub finer: Option<fn(&Settings) -> Settings>,
 }

@@ -1,6 +1,7 @@
 //! The `cube3` command.
 
 mod bench;
+mod kept;
 mod list;
 mod machine;
 mod methods;

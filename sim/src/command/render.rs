@@ -1,5 +1,6 @@
 //! `cube3 render`: one picture by any method.
 
+use super::kept::CacheArguments;
 use super::run::{keep_inputs, print};
 use super::scene::SceneArguments;
 use super::{fits, on_threads, threads};
@@ -10,7 +11,7 @@ use clap::Args;
 use cube3::Runs;
 use cube3::memory::{Case, Grid};
 use cube3_inputs::load_volume;
-use cube3_method::{Choice, Subject};
+use cube3_method::{Choice, Kept, Subject};
 use cube3_picture::Rendering;
 use cube3_rendering::MethodError;
 use cube3_report::{count, png_rgb8, sha256_hex, to_rgb8};
@@ -28,6 +29,8 @@ pub struct RenderArguments {
     /// How: a method of `cube3 methods`, its options behind colons as in image-order:0.25.
     #[arg(long, value_name = "NAME[:OPTION]", default_value = "image-order", value_parser = choice)]
     method: Choice,
+    #[command(flatten)]
+    kept: CacheArguments,
     /// Machine file, or the name of a preset: what function and cycle run, and along whose rays sheared and true are.
     #[arg(long, value_name = "FILE.toml|NAME", default_value = "cube3-128")]
     machine: String,
@@ -68,17 +71,22 @@ impl RenderArguments {
         let mask = self.mask_non_finite;
         fits(&Case { scene: &scene, machine: &machine, grid, runs, reference: true, mask, threads }.frame())?;
         let bars = Bars::default();
-        let (source, rendering) = on_threads(self.threads, || {
+        let (source, kept) = on_threads(self.threads, || {
             let waiting = Waiting::new("volume");
             let volume = load_volume(&scene, &machine, &read, mask)?;
             drop(waiting);
             let thick = scene.thickened(volume.single);
             let subject = Subject { plan: !self.no_plan, ..Subject::new(&thick, &machine, &volume) };
-            let rendering = self.method.render(&subject, &|what, done, all| bars.set(what, done, all))?;
-            Ok((volume.source, rendering))
+            let watch = |what: &'static str, done, all| bars.set(what, done, all);
+            let kept = match self.kept.cache() {
+                Some(cache) => cache.render(&self.method, &subject, &watch)?,
+                None => Kept { rendering: self.method.render(&subject, &watch)?, made_s: None, unkept: None },
+            };
+            Ok((volume.source, kept))
         })?;
         drop(bars);
-        print(&summary(&self.method, &source, &rendering))?;
+        print(&summary(&self.method, &source, &kept))?;
+        let rendering = kept.rendering;
         let picture = &rendering.picture;
         let rgb = to_rgb8(picture);
         let numbers = json!({
@@ -90,6 +98,7 @@ impl RenderArguments {
             "bytes": rendering.bytes,
             "phases": phases(&rendering),
             "time_s": rendering.seconds(),
+            "made_s": kept.made_s,
             "bound_max": rendering.bound.as_ref().map(|bound| bound.iter().copied().fold(0.0, f64::max)),
             "digest": sha256_hex(&rgb),
         });
@@ -110,16 +119,30 @@ fn phases(rendering: &Rendering) -> Vec<Value> {
     rendering.phases.iter().map(|phase| json!({ "name": phase.name, "time_s": phase.seconds })).collect()
 }
 
-fn summary(method: &Choice, source: &str, rendering: &Rendering) -> String {
+fn summary(method: &Choice, source: &str, Kept { rendering, made_s, unkept }: &Kept) -> String {
     let seconds = rendering.seconds();
     let phases: Vec<String> =
         rendering.phases.iter().map(|phase| format!("{} {:.3} s", phase.name, phase.seconds)).collect();
-    let speed = if seconds > 0.0 { rendering.samples as f64 / seconds / 1e6 } else { 0.0 };
-    format!(
-        "{method} of {source}: {} × {} pixels\n{} samples in {seconds:.3} s, {speed:.1} M a second ({})\n",
-        rendering.picture.width,
-        rendering.picture.height,
-        count(rendering.samples),
-        phases.join(", ")
-    )
+    let picture = &rendering.picture;
+    let mut text = format!(
+        "{method} of {source}: {} × {} pixels\n{} samples",
+        picture.width,
+        picture.height,
+        count(rendering.samples)
+    );
+    match made_s {
+        Some(made) => text += &format!(", made by an earlier run in {made:.3} s, and kept; read in {seconds:.3} s\n"),
+        None => {
+            let speed = if seconds > 0.0 { rendering.samples as f64 / seconds / 1e6 } else { 0.0 };
+            text += &format!(" in {seconds:.3} s, {speed:.1} M a second ({})\n", phases.join(", "));
+        }
+    }
+    if let Some(bound) = &rendering.bound {
+        let most = bound.iter().copied().fold(0.0, f64::max);
+        text += &format!("no channel of a pixel is off by more than {most:.2e} of full scale\n");
+    }
+    if let Some(why) = unkept {
+        text += &format!("the picture could not be kept for the next run: {why}\n");
+    }
+    text
 }

@@ -1,5 +1,6 @@
 //! `cube3 run`: one frame on the machine, or a sequence of frames.
 
+use super::kept::CacheArguments;
 use super::scene::SceneArguments;
 use super::{fits, on_threads, threads};
 use crate::output::{ANIMATION, SequenceFiles, write_run, write_whole};
@@ -65,6 +66,8 @@ pub struct RunArguments {
     /// What the picture is measured against: a method of `cube3 methods`, its options behind colons as in image-order:0.25, or none.
     #[arg(long, value_name = "NAME[:OPTION]", default_value = "image-order", value_parser = reference)]
     reference: Against,
+    #[command(flatten)]
+    kept: CacheArguments,
     /// Do not look for what limits the frame rate, which runs the machine again with one resource at a time out of the way.
     #[arg(long)]
     no_limits: bool,
@@ -195,6 +198,7 @@ impl RunArguments {
                 FidelityArgument::Cycle => Runs::Cycle,
             },
             reference: self.reference.0.clone(),
+            cache: self.kept.cache(),
             plan: !self.no_plan,
             limits: !self.no_limits,
             seed: self.seed,

@@ -42,7 +42,7 @@ fn names(folder: &Path) -> Vec<String> {
 fn the_table_lists_every_method_and_what_it_shows() {
     let folder = folder();
     let names = names(folder.path());
-    assert_eq!(names, ["function", "cycle", "sheared", "true", "image-order"]);
+    assert_eq!(names, ["function", "cycle", "sheared", "true", "image-order", "converged"]);
     let text = good(folder.path(), &["methods"]);
     for name in &names {
         assert!(text.lines().any(|line| line == name), "{name}");
@@ -101,7 +101,41 @@ fn any_method_can_be_the_reference() {
         assert_eq!(error["against"], reference);
         assert!(error["max"].as_f64().unwrap() > 0.0, "{reference}");
         assert_eq!(error["reference"].is_null(), reference != "image-order:0.25");
+        assert!(error["reference_bound"].is_null());
     }
+    let own = against("image-order:0.25")["reference"].clone();
+    assert_eq!((own["of"].as_str(), own["against"].as_str()), (Some("image-order:0.25"), Some("converged:0.00001")));
+    assert!(own["against_bound"].as_f64().is_some_and(|bound| bound > 0.0 && bound <= 1e-5), "{own}");
+}
+
+/// A picture with a bound says it; the second run finds it, and measures the same to the bit.
+#[test]
+fn the_converged_integral_is_a_reference_with_a_bound_and_is_kept() {
+    let folder = folder();
+    let path = folder.path();
+    let run = |more: &[&str]| {
+        let command = ["run", "--out", "out", "--no-limits", "--reference", "converged:1e-4"];
+        let told = good(path, &[command.as_slice(), more, &SMALL].concat());
+        (told, checked::report(&path.join("out"))["error"].clone())
+    };
+    let cache = ["--cache", "kept"];
+    let (first, second, without) = (run(&cache), run(&cache), run(&["--no-cache"]));
+    for (_, error) in [&first, &second, &without] {
+        assert_eq!(error, &first.1);
+        assert_eq!(error["against"], "converged:0.0001");
+        assert!(error["reference_bound"].as_f64().is_some_and(|bound| bound > 0.0 && bound <= 1e-4), "{error}");
+    }
+    let found = "the reference was made by an earlier run";
+    assert_eq!([&first.0, &second.0, &without.0].map(|told| told.contains(found)), [false, true, false]);
+    let command = ["render", "--method", "converged:1e-4", "--out", "out", "--cache", "kept"];
+    let told = good(path, &[command.as_slice(), &SMALL].concat());
+    assert!(
+        told.contains("made by an earlier run") && told.contains("no channel of a pixel is off by more than"),
+        "{told}"
+    );
+    assert_eq!(std::fs::read_dir(path.join("kept")).unwrap().count(), 1);
+    let told = refused(path, &[&["render", "--cache", "kept", "--no-cache"], SMALL.as_slice()].concat());
+    assert!(told.contains("--no-cache"), "{told}");
 }
 
 #[test]
@@ -125,10 +159,9 @@ fn without_the_search_a_report_says_so() {
 fn what_a_method_cannot_show_is_refused_with_what_it_lacks() {
     let folder = folder();
     let path = folder.path();
-    let lacks =
-        "the method sheared cannot show what the scene asks for: perspective; take function or cycle or image-order";
-    for command in [["render", "--method", "sheared"], ["run", "--reference", "sheared"]] {
-        let told = refused(path, &[command.as_slice(), &["--fov", "40", "--out", "none"], &SMALL].concat());
+    let lacks = "the method converged cannot show what the scene asks for: maximum; take function or cycle or sheared or true or image-order";
+    for command in [["render", "--method", "converged"], ["run", "--reference", "converged"]] {
+        let told = refused(path, &[command.as_slice(), &["--mode", "maximum", "--out", "none"], &SMALL].concat());
         assert_eq!(told, format!("cube3: {lacks}"));
     }
     assert!(!path.join("none").exists());

@@ -33,7 +33,8 @@ fn words(volume: Volume, window: Option<[f64; 2]>) -> LoadedVolume {
     inputs::to_words("test".into(), volume, window, &MachineSpec::default(), false).unwrap()
 }
 
-const FUNCTION: RunOptions = RunOptions { runs: Runs::Function, reference: None, plan: true, limits: true, seed: 0 };
+const FUNCTION: RunOptions =
+    RunOptions { runs: Runs::Function, reference: None, cache: None, plan: true, limits: true, seed: 0 };
 
 fn run(scene: &Scene, machine: &MachineSpec, volume: &LoadedVolume) -> RunResult {
     cube3::run(scene, machine, volume, &FUNCTION).unwrap()

@@ -5,7 +5,7 @@ use cube3_function::{CanonicalVolume, render};
 use cube3_host::{PictureFrames, picture_setup, warp_passes};
 use cube3_inputs::{LoadedVolume, load_volume};
 use cube3_machine::MachineSpec;
-use cube3_method::{Choice, FUNCTION, IMAGE_ORDER, METHODS, Method, SHEARED, Subject, TRUE, names, own_error};
+use cube3_method::{CONVERGED, Choice, FUNCTION, IMAGE_ORDER, METHODS, Method, SHEARED, Subject, names, own_error};
 use cube3_picture::{Phase, Picture, Rendering, Watch};
 use cube3_pipeline::Machine;
 use cube3_reference::{ImageOrderOptions, image_order};
@@ -121,9 +121,9 @@ fn a_choice_is_a_name_and_what_stands_behind_colons() {
     let refused = |text: &str| text.parse::<Choice>().unwrap_err().to_string();
     assert_eq!(
         refused("image"),
-        "there is no method image: did you mean image-order?; known are function, cycle, sheared, true, image-order"
+        "there is no method image: did you mean image-order?; known are function, cycle, sheared, true, image-order, converged"
     );
-    assert_eq!(refused("?"), "there is no method ?; known are function, cycle, sheared, true, image-order");
+    assert_eq!(refused("?"), "there is no method ?; known are function, cycle, sheared, true, image-order, converged");
     for step in ["0", "", "inf", "nan", "1000", "-1", "published"] {
         assert_eq!(
             refused(&format!("image-order:{step}")),
@@ -182,18 +182,21 @@ fn every_feature_is_asked_for_by_its_scene_and_no_other() {
 
 #[test]
 fn a_scene_that_a_method_cannot_show_is_refused_with_what_it_lacks_and_who_can() {
-    let scene = asking(Feature::Perspective);
-    for (method, able) in [(&TRUE, false), (&SHEARED, false), (&FUNCTION, true), (&IMAGE_ORDER, true)] {
+    let scene = asking(Feature::Mode(Mode::Maximum));
+    for (method, able) in [(&CONVERGED, false), (&SHEARED, true), (&FUNCTION, true), (&IMAGE_ORDER, true)] {
         assert_eq!(method.check(&scene).is_ok(), able, "{}", method.about.name);
     }
     let volume = load(&Scene { volume: VolumeSource::from_phantom("sphere", 8), ..Scene::default() });
-    let refused = Choice::of(&TRUE).render(&Subject::new(&scene, &machine(), &volume), &|_, _, _| {}).unwrap_err();
+    let refused = Choice::of(&CONVERGED).render(&Subject::new(&scene, &machine(), &volume), &|_, _, _| {}).unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "the method true cannot show what the scene asks for: perspective; take function or cycle or image-order"
+        "the method converged cannot show what the scene asks for: maximum; take function or cycle or sheared or true or image-order"
     );
+    // An integral adds up what lies along a ray; the others show every mode.
     for mode in Mode::ALL {
-        assert!(METHODS.iter().all(|method| method.check(&asking(Feature::Mode(mode))).is_ok()));
+        let able = |method: &&&Method| method.check(&asking(Feature::Mode(mode))).is_ok();
+        let names: Vec<&str> = METHODS.iter().filter(|method| !able(method)).map(|method| method.about.name).collect();
+        assert_eq!(names, if mode.adds_up() { vec![] } else { vec!["converged"] }, "{mode}");
     }
 }
 
@@ -212,6 +215,7 @@ const FLAT: SceneMethod = SceneMethod {
     },
     render: flat,
     sparse: None,
+    kept: None,
     finer: None,
 };
 
