@@ -15,7 +15,7 @@ import numpy as np
 import scene
 
 NAME = "teem-miter"
-SHADED = True
+SHADED = (True,)
 HINT = "teem-miter is not installed: apt-get install teem-apps"
 ENTRIES = 65536
 DISTANCE = 400.0
@@ -30,7 +30,7 @@ def version():
     return next((line.strip().split(",")[0] for line in lines if "version" in line), "an unknown version")
 
 
-def pictures(ours, voxels, path, yaw_deg, step, threads, folder):
+def pictures(ours, voxels, path, yaw_deg, shaded, step, threads, folder):
     """Our picture and its, with a name: rows from the top, 0 to 255; its is not rounded."""
     values = np.linspace(0, 255, ENTRIES)
     table = folder / "opacity.nrrd"

@@ -1,12 +1,14 @@
-"""VTK's fixed-point ray caster on one thread, made to show what cube3 shows, without light.
+"""VTK's fixed-point ray caster on one thread, made to show what cube3 shows.
 
 - Values are stretched to 16 bits: of bytes its interpolation gives whole numbers alone.
 - Samples begin at the camera's near plane, which is set; a step of 1/8 makes that small.
+- The material's ambient part counts only with a light that has an ambient colour, and a light has none unless it is given.
 - What its window shows is not what its rays gave: the rays' image is stretched by one pixel over the volume's extent and interpolated.
   So both are read: the rays' image, which is what is to be compared, and the window, also beside our picture when that is stretched.
 """
 
 import ctypes
+import ctypes.util
 
 import numpy as np
 
@@ -19,6 +21,7 @@ try:
     from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
     from vtkmodules.vtkRenderingCore import (
         vtkColorTransferFunction,
+        vtkLight,
         vtkRenderer,
         vtkVolume,
         vtkVolumeProperty,
@@ -30,7 +33,8 @@ except ImportError as error:
     vtkVersion, WHY = None, error
 
 NAME = "VTK fixed point"
-SHADED = False
+# Whether shaded: both.
+SHADED = (False, True)
 STRETCH = 128
 DISTANCE, NEAR, FAR = 500.0, 200.0, 900.0
 ONE = 32767
@@ -41,7 +45,9 @@ NEARLY_OPAQUE = 250
 def version():
     """What is installed."""
     if vtkVersion is None:
-        raise scene.Missing(f"VTK cannot be had ({WHY}): pip install -r requirements.txt, and apt-get install libosmesa6 libgl1")
+        raise scene.Missing(f"VTK cannot be had ({WHY}): pip install --no-deps -r tests/peers/requirements.txt; apt-get install libosmesa6 libgl1")
+    if ctypes.util.find_library("OSMesa") is None:
+        raise scene.Missing("VTK has no window off the screen: apt-get install libosmesa6 libgl1")
     return vtkVersion.GetVTKVersion()
 
 
@@ -73,7 +79,7 @@ def mapper(voxels, step):
     return caster
 
 
-def material():
+def material(shaded):
     opacity, colour = vtkPiecewiseFunction(), vtkColorTransferFunction()
     for value, alpha in [[0, 0.0], *scene.OPACITY, [255, scene.OPACITY[-1][1]]]:
         opacity.AddPoint(value * STRETCH, alpha)
@@ -84,18 +90,29 @@ def material():
     properties.SetColor(colour)
     properties.SetInterpolationTypeToLinear()
     properties.SetScalarOpacityUnitDistance(1)
-    properties.ShadeOff()
+    properties.SetShade(shaded)
+    properties.SetAmbient(scene.AMBIENT)
+    properties.SetDiffuse(scene.DIFFUSE)
+    properties.SetSpecular(scene.SPECULAR)
+    properties.SetSpecularPower(scene.SHININESS)
     return properties
 
 
+def light_at_eye():
+    light = vtkLight()
+    light.SetLightTypeToHeadlight()
+    light.SetAmbientColor(1, 1, 1)
+    return light
+
+
 def image_of_rays(caster):
-    """What the rays gave, 15 bits of opacity each, which of white is its colour; rows from the top."""
+    """What the rays gave, 15 bits of red each; rows from the top."""
     image = caster.GetRayCastImage()
     address = int(image.GetImage().split("_")[1], 16)
     (width, height), (columns, rows) = image.GetImageInUseSize(), image.GetImageMemorySize()
     left, below = image.GetImageOrigin()
     words = (ctypes.c_uint16 * (columns * rows * 4)).from_address(address)
-    texels = np.ctypeslib.as_array(words).reshape(rows, columns, 4)[:height, :width, 3]
+    texels = np.ctypeslib.as_array(words).reshape(rows, columns, 4)[:height, :width, 0]
     picture = np.zeros((scene.PIXELS, scene.PIXELS))
     picture[below : below + height, left : left + width] = texels / ONE * 255
     return picture[::-1]
@@ -117,15 +134,16 @@ def stretched(picture, caster):
     return shown
 
 
-def pictures(ours, voxels, path, yaw_deg, step, threads, folder):
+def pictures(ours, voxels, path, yaw_deg, shaded, step, threads, folder):
     """Pairs of pictures to compare, ours and its, each with a name: rows from the top, 0 to 255. It runs on one thread."""
     caster = mapper(voxels, step)
     volume = vtkVolume()
     volume.SetMapper(caster)
-    volume.SetProperty(material())
+    volume.SetProperty(material(shaded))
     renderer = vtkRenderer()
     renderer.SetBackground(0, 0, 0)
     renderer.AddVolume(volume)
+    renderer.AddLight(light_at_eye())
     window = vtkOSOpenGLRenderWindow()
     window.SetOffScreenRendering(1)
     window.SetMultiSamples(0)
@@ -140,9 +158,7 @@ def pictures(ours, voxels, path, yaw_deg, step, threads, folder):
     bytes_shown = vtk_to_numpy(shown.GetOutput().GetPointData().GetScalars())
     on_screen = bytes_shown.reshape(scene.PIXELS, scene.PIXELS, -1)[::-1, :, 0].astype(float)
     rays, thin = image_of_rays(caster), ours < NEARLY_OPAQUE
-    return [
-        ("rays", ours, rays),
-        (f"rays, below {NEARLY_OPAQUE}", ours[thin], rays[thin]),
-        ("window", ours, on_screen),
-        ("window, ours stretched", stretched(ours, caster), on_screen),
-    ]
+    pairs = [("rays", ours, rays)]
+    if not shaded:
+        pairs.append((f"rays, below {NEARLY_OPAQUE}", ours[thin], rays[thin]))
+    return [*pairs, ("window", ours, on_screen), ("window, ours stretched", stretched(ours, caster), on_screen)]
