@@ -1,6 +1,7 @@
 //! Tests of `cube3-reference` from outside, one module each.
 
 mod common;
+mod convergence;
 mod extremes;
 mod from_the_book;
 mod invariance;
@@ -8,3 +9,5 @@ mod labels;
 mod lengths;
 mod modes;
 mod perspective;
+mod preintegration;
+mod sampling;

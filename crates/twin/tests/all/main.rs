@@ -3,6 +3,7 @@
 mod agreement;
 mod basis;
 mod common;
+mod convergence;
 mod ct_head;
 mod extremes;
 mod gradients;

@@ -2,6 +2,7 @@
 
 pub mod brute_force;
 pub mod labels;
+pub mod order;
 pub mod turn;
 
 use cube3_scene::{Image, Material, Mode, Scene, Transfer, View, corrected_opacity};
