@@ -26,6 +26,7 @@ pub const FLOORS: &[(&str, &[&str])] = &[
     ("systems", &["pipeline", "function", "definition"]),
     ("references", &["reference"]),
     ("references", &["twin", "converged"]),
+    ("references", &["bound"]),
     ("report", &["report"]),
     ("tools", &["trace", "resources"]),
     ("tools", &["vectors"]),

@@ -1,6 +1,5 @@
 //! Random machines, scenes and volumes for the tests that cross crates, and the tools that the hardware's tests run.
 
-pub mod error_bound;
 pub mod files;
 pub mod golden_breaks;
 pub mod house;

@@ -15,6 +15,7 @@
 mod cell;
 mod converged;
 mod disc;
+mod enclosure;
 mod gauss;
 mod known;
 mod method;
@@ -26,4 +27,5 @@ mod ray;
 mod stretches;
 
 pub use converged::{ConvergedOptions, ConvergedRendering, TOLERANCES, converged};
+pub use enclosure::{Range, enclosure};
 pub use method::{CONVERGED, TOLERANCE};

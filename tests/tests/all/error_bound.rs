@@ -1,13 +1,13 @@
 //! What words cost is within the bound of the book: every pixel of the machine lies between the ends that the frame in reals and the grains
 //! of its words give it.
 
+use cube3_bound::{Grains, Interval, Walk};
 use cube3_cases::cases;
 use cube3_definition::Definition;
 use cube3_frame::FrameSetup;
 use cube3_host::picture_setup;
 use cube3_machine::{GradientMethod, MachineSpec, RayEnds};
 use cube3_scene::{Mode, Scene, Threshold};
-use cube3_tests::error_bound::{Grains, Interval, Walk};
 use cube3_tests::{SmallVolume, for_perspective, from_eye, machines, perspectives, scenes};
 use cube3_twin::{DiscreteOptions, sheared};
 use cube3_volume::{Samples, Volume};

@@ -1,4 +1,5 @@
 //! Tests of `cube3-converged` from outside, one module each.
 
 mod bound;
+mod enclosure;
 mod scenes;

@@ -1,7 +1,7 @@
 //! Opacity, colour and light of a sample.
 
-use super::grains::Grains;
-use super::interval::Interval;
+use crate::grains::Grains;
+use crate::interval::Interval;
 use cube3_scene::{Material, ResolvedLight, Transfer};
 use glam::DVec3;
 

@@ -1,7 +1,7 @@
 //! The samples of a frame and their gradients.
 
-use super::grains::Grains;
-use super::interval::Interval;
+use crate::grains::Grains;
+use crate::interval::Interval;
 use cube3_frame::{DiscreteRay, Geometry};
 use cube3_machine::{Differences, GradientMethod};
 use cube3_twin::Basis;

@@ -1,10 +1,10 @@
 //! From a ray's samples to its pixel.
 
-use super::ends::{Drawn, Region};
-use super::grains::{Grains, component_value};
-use super::interval::Interval;
-use super::samples::Samples;
-use super::shade::{Normals, SeenLight, colours, lengths, lit, opacities};
+use crate::ends::{Drawn, Region};
+use crate::grains::{Grains, component_value};
+use crate::interval::Interval;
+use crate::samples::Samples;
+use crate::shade::{Normals, SeenLight, colours, lengths, lit, opacities};
 use cube3_frame::{DiscreteRay, FrameSetup, Geometry, SLOPE_FRACTION_BITS};
 use cube3_machine::GradientMethod;
 use cube3_scene::{

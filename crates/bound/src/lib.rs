@@ -8,6 +8,8 @@
 //!   ends ───────────────────────────┘
 //! ```
 
+#![warn(missing_docs)]
+
 mod ends;
 mod grains;
 mod interval;
@@ -17,4 +19,4 @@ mod shade;
 
 pub use grains::Grains;
 pub use interval::Interval;
-pub use ray::Walk;
+pub use ray::{Pixel, Walk};

@@ -1,7 +1,7 @@
 //! Which samples of a ray are drawn, and the part of a step that each stands for.
 
-use super::grains::Grains;
-use super::interval::Interval;
+use crate::grains::Grains;
+use crate::interval::Interval;
 use cube3_frame::{EndRegisters, Geometry};
 use cube3_scene::Scene;
 
