@@ -26,16 +26,20 @@
 
 mod base_rendering;
 mod basis;
+mod cast;
 mod check;
 mod discrete;
 mod error;
 mod gradient;
+mod parts;
+mod rays;
 mod real_samples;
 mod sample_plane;
 mod step_length;
 mod steps;
 mod surface;
 mod voxels;
+mod warp;
 
 pub use base_rendering::BaseRendering;
 pub use basis::Basis;
@@ -46,3 +50,4 @@ pub use real_samples::RealSamples;
 pub use step_length::step_length;
 pub use steps::SampleCell;
 pub use surface::{SurfacePoint, surface_gradients};
+pub use warp::warp_passes;
