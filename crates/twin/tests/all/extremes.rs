@@ -168,19 +168,3 @@ fn parts_that_do_not_fit_are_refused() {
     let error = sheared(&volume, &Scene::default(), &geometry, &DiscreteOptions::default(), None).unwrap_err();
     assert!(matches!(error, TwinError::Geometry { .. }), "{error}");
 }
-
-#[test]
-fn the_casters_on_the_base_plane_say_that_they_are_parallel() {
-    let volume = noise([6; 3], [1.0; 3], 9);
-    let mut seen = scene_along([0.0, 1.0, 0.0]);
-    seen.view.perspective = Some(Perspective::new(40.0));
-    let geometry = geometry(&volume, &seen);
-    let options = DiscreteOptions::default();
-    for refused in [
-        sheared(&volume, &seen, &geometry, &options, None).unwrap_err(),
-        true_3d(&volume, &seen, &geometry, &options, None).unwrap_err(),
-    ] {
-        assert!(matches!(refused, TwinError::Perspective), "{refused}");
-        assert!(refused.to_string().starts_with("view.perspective: "));
-    }
-}
