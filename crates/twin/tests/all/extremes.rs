@@ -5,7 +5,7 @@ use crate::common::{VIEWS, assert_sane, geometry, geometry_along, noise, one_vox
 use cube3_frame::DiscreteRay;
 use cube3_machine::{GradientMethod, TemplateRule};
 use cube3_reference::{ImageOrderOptions, RaycastError as Refused, image_order};
-use cube3_scene::{Mode, Perspective, Scene, Transfer, View};
+use cube3_scene::{Mode, Scene, Transfer, View};
 use cube3_twin::{DiscreteOptions, SampleCell, TwinError, discrete, sheared, surface_gradients, true_3d};
 use cube3_volume::{Samples, Volume};
 use glam::DVec3;

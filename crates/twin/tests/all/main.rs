@@ -5,6 +5,8 @@ mod basis;
 mod common;
 mod ct_head;
 mod extremes;
+mod eye;
+mod eye_rays;
 mod gradients;
 mod interpolation;
 mod invariance;
