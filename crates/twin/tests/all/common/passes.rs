@@ -3,7 +3,7 @@
 use cube3_frame::{DiscreteRay, Geometry};
 use cube3_host::{PictureFrames, VolumeInfo, picture_setup};
 use cube3_machine::{GradientMethod, MachineSpec, TemplateRule};
-use cube3_scene::{Perspective, Scene, View, eye, smallest_spacing};
+use cube3_scene::{Image, Perspective, Scene, View, eye, smallest_spacing};
 use cube3_volume::Volume;
 use glam::DVec3;
 
@@ -16,7 +16,8 @@ pub fn seen_from(scene: &Scene, dims: [usize; 3], place: [f64; 3], field_of_view
         perspective: Some(Perspective { eye_voxel: Some(place), ..Perspective::new(field_of_view_deg) }),
         ..View::from_direction(along, None)
     };
-    Scene { view, ..scene.clone() }
+    let image = Image { pixel_size_voxel: None, ..scene.image.clone() };
+    Scene { view, image, ..scene.clone() }
 }
 
 /// Frames of the default machine with an estimator and a rule.
