@@ -243,7 +243,9 @@ impl Case<'_> {
         let overlap = if self.machine.rays.section.is_some() { 48 } else { 0 };
         let buffers =
             2 * (2 * (self.machine.dsb.planes as u64 + 1) + 24 + overlap) * u64::from(self.runs == Runs::Cycle);
-        let bases = 250 * self.passes() + if self.reference { 300 } else { 0 };
+        // Of a reference on the machine's rays every base plane in reals, and the cells of the rays of one.
+        let of_reference = if self.passes() > 1 { 380 + 128 * self.passes() } else { 300 };
+        let bases = 250 * self.passes() + if self.reference { of_reference } else { 0 };
         need.with("volume", volume)
             .with("turned volume", turned)
             .with("memory modules", modules)
@@ -261,13 +263,18 @@ impl Case<'_> {
         }
     }
 
-    /// Bytes of a thread's planes for a voxel of a face: rows are up to twice a side, and near an eye neighbours up to the reach away.
+    /// Bytes of a thread's planes for a voxel of a face: rows are up to twice a side, and near an eye neighbours up to the reach away. A
+    /// reference on the machine's rays has reals, and the part of each sample of a plane.
     fn planes(&self) -> u64 {
-        match (self.runs, self.passes()) {
+        let passes = self.passes();
+        let reach = if passes > 3 { u64::from(self.machine.abc.reach) } else { 1 };
+        let of_run = match (self.runs, passes) {
             (Runs::Timing | Runs::Cycle, _) => 0,
             (_, ..=3) => 64,
-            _ => 8 * (2 * u64::from(self.machine.abc.reach) + 3),
-        }
+            _ => 8 * (2 * reach + 3),
+        };
+        let of_reference = if self.reference && passes > 1 { 16 * (2 * reach + 1) + 32 } else { 0 };
+        of_run.max(of_reference)
     }
 
     /// Tables of the registers of one picture, each up to four times: as set up, of the runs, and of the report.
