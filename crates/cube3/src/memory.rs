@@ -243,9 +243,7 @@ impl Case<'_> {
         let overlap = if self.machine.rays.section.is_some() { 48 } else { 0 };
         let buffers =
             2 * (2 * (self.machine.dsb.planes as u64 + 1) + 24 + overlap) * u64::from(self.runs == Runs::Cycle);
-        // Of a reference on the machine's rays every base plane in reals, and the cells of the rays of one.
-        let of_reference = if self.passes() > 1 { 380 + 128 * self.passes() } else { 300 };
-        let bases = 250 * self.passes() + if self.reference { of_reference } else { 0 };
+        let bases = 250 * self.passes() + if self.reference { 300 } else { 0 };
         need.with("volume", volume)
             .with("turned volume", turned)
             .with("memory modules", modules)
