@@ -103,7 +103,7 @@ pub const ANSWERS: [KnownAnswer; 11] = [
         name: "slab across",
         value: slab_across,
         scene: || thin(Mode::WeightedSum),
-        views: angles,
+        views: all_views,
         answer: slab_across_answer,
     },
     KnownAnswer {
@@ -118,7 +118,7 @@ pub const ANSWERS: [KnownAnswer; 11] = [
         name: "mean of a field",
         value: linear,
         scene: || thin(Mode::WeightedSum),
-        views: angles,
+        views: all_views,
         answer: mean_of_field,
     },
     KnownAnswer {
@@ -139,14 +139,14 @@ pub const ANSWERS: [KnownAnswer; 11] = [
         name: "maximum",
         value: linear,
         scene: || thin(Mode::Maximum),
-        views: angles,
+        views: all_views,
         answer: |chord| extreme(chord, f64::max),
     },
     KnownAnswer {
         name: "minimum",
         value: linear,
         scene: || thin(Mode::Minimum),
-        views: angles,
+        views: all_views,
         answer: |chord| extreme(chord, f64::min),
     },
 ];

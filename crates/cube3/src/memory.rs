@@ -261,13 +261,18 @@ impl Case<'_> {
         }
     }
 
-    /// Bytes of a thread's planes for a voxel of a face: rows are up to twice a side, and near an eye neighbours up to the reach away.
+    /// Bytes of a thread's planes for a voxel of a face: rows are up to twice a side, and near an eye neighbours up to the reach away. A
+    /// reference on the machine's rays has reals, and the part of each sample of a plane.
     fn planes(&self) -> u64 {
-        match (self.runs, self.passes()) {
+        let passes = self.passes();
+        let reach = if passes > 3 { u64::from(self.machine.abc.reach) } else { 1 };
+        let of_run = match (self.runs, passes) {
             (Runs::Timing | Runs::Cycle, _) => 0,
             (_, ..=3) => 64,
-            _ => 8 * (2 * u64::from(self.machine.abc.reach) + 3),
-        }
+            _ => 8 * (2 * reach + 3),
+        };
+        let of_reference = if self.reference && passes > 1 { 16 * (2 * reach + 1) + 32 } else { 0 };
+        of_run.max(of_reference)
     }
 
     /// Tables of the registers of one picture, each up to four times: as set up, of the runs, and of the report.

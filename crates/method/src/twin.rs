@@ -4,8 +4,7 @@ use crate::{RenderError, Subject};
 use cube3_frame::Geometry;
 use cube3_picture::{Phase, Picture, Rendering, Watch};
 use cube3_rendering::{About, Feature, MethodError, MethodOption, OptionKind, Settings};
-use cube3_scene::Mode;
-use cube3_twin::{DiscreteOptions, SampleCell, discrete};
+use cube3_twin::{BaseRendering, DiscreteOptions, SampleCell, discrete, warp_passes};
 
 /// The place of what ends stand for among the options.
 const ENDS: usize = 0;
@@ -16,31 +15,12 @@ const OPTIONS: &[MethodOption] = &[MethodOption {
     kind: OptionKind::Word(&["exact", "published"]),
 }];
 
-/// All but perspective.
-const SUPPORTS: &[Feature] = &[
-    Feature::Mode(Mode::Composite),
-    Feature::Mode(Mode::FirstOpaque),
-    Feature::Mode(Mode::LastOpaque),
-    Feature::Mode(Mode::Maximum),
-    Feature::Mode(Mode::Minimum),
-    Feature::Mode(Mode::WeightedSum),
-    Feature::Shading,
-    Feature::Lights,
-    Feature::Colour,
-    Feature::GradientOpacity,
-    Feature::Labels,
-    Feature::Crop,
-    Feature::Cuts,
-    Feature::Threshold,
-    Feature::DepthCue,
-];
-
 /// The machine's rays, samples in its sheared cells.
 pub(crate) const SHEARED: About = About {
     name: "sheared",
     what: "the machine's rays, samples in its sheared cells, in 64-bit reals",
     source: "Pfister et al. 1995, section 6 (Sheared3D)",
-    supports: SUPPORTS,
+    supports: &Feature::ALL,
     options: OPTIONS,
 };
 
@@ -49,7 +29,7 @@ pub(crate) const TRUE: About = About {
     name: "true",
     what: "the machine's rays, samples in their exact 8-neighbourhood, in 64-bit reals",
     source: "Pfister et al. 1995, section 6 (True3D)",
-    supports: SUPPORTS,
+    supports: &Feature::ALL,
     options: OPTIONS,
 };
 
@@ -69,23 +49,37 @@ fn along_rays(
 ) -> Result<Rendering, RenderError> {
     let &Subject { scene, machine, volume, .. } = subject;
     let frames = subject.frames()?;
-    let geometry: &Geometry = frames.setups.first().map(|setup| &setup.geometry).ok_or(RenderError::NoFrame)?;
-    let rows = geometry.base_plane_size()[1] as u64;
-    let report = |done| watch("rays", done, rows);
-    let options = DiscreteOptions {
-        gradient: machine.abc.gradient,
-        border: volume.words.window[0],
-        whole_steps: settings.value(ENDS) > 0.0,
-    };
-    let cast = || discrete(&volume.data, scene, geometry, interpolation, &options, Some(&report));
-    let (base, rays) = Phase::of("rays", cast);
-    let base = base.map_err(MethodError::refused)?;
-    let plane = &frames.plane;
-    let (pixels, warp) = Phase::of("warp", || base.warp(geometry, plane, volume.data.spacing, scene.background));
+    if frames.setups.is_empty() {
+        return Err(RenderError::NoFrame);
+    }
+    let all: u64 = frames.setups.iter().map(|setup| setup.geometry.base_plane_size()[1] as u64).sum();
+    let (mut bases, mut seconds, mut before) = (Vec::new(), 0.0, 0);
+    for setup in &frames.setups {
+        let geometry = &setup.geometry;
+        let report = |done| watch("rays", before + done, all);
+        let options = DiscreteOptions {
+            // Which estimator a pass has is the host's choice; what it comes to is not.
+            gradient: setup.gradient.as_ref().map_or(machine.abc.gradient, |gradient| gradient.method),
+            border: volume.words.window[0],
+            whole_steps: settings.value(ENDS) > 0.0,
+        };
+        let cast = || discrete(&volume.data, scene, geometry, interpolation, &options, Some(&report));
+        let (base, rays) = Phase::of("rays", cast);
+        bases.push(base.map_err(MethodError::refused)?);
+        seconds += rays.seconds;
+        before += geometry.base_plane_size()[1] as u64;
+    }
+    let (plane, spacing) = (&frames.plane, volume.data.spacing);
+    let passes: Vec<(&BaseRendering, &Geometry)> =
+        bases.iter().zip(frames.setups.iter().map(|setup| &setup.geometry)).collect();
+    let (pixels, warp) = Phase::of("warp", || match (plane.eye, &passes[..]) {
+        (None, [(base, geometry)]) => base.warp(geometry, plane, spacing, scene.background),
+        _ => warp_passes(&passes, plane, spacing, scene.background),
+    });
     Ok(Rendering {
         picture: Picture::new(plane.width, plane.height, pixels)?,
-        phases: vec![rays, warp],
-        samples: base.samples,
+        phases: vec![Phase { name: "rays", seconds }, warp],
+        samples: bases.iter().map(|base| base.samples).sum(),
         bytes: volume.data.bytes(),
         bound: None,
     })

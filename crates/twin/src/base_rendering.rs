@@ -55,7 +55,7 @@ impl BaseRendering {
     }
 
     /// The pixels around a place, each by its share.
-    fn between(&self, column: f64, row: f64) -> [f64; 4] {
+    pub(crate) fn between(&self, column: f64, row: f64) -> [f64; 4] {
         let (left, above) = (column.floor(), row.floor());
         let (to_right, down) = (column - left, row - above);
         let mut sum = [0.0; 4];

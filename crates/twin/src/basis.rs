@@ -1,13 +1,13 @@
 //! The directions that a gradient estimator takes its differences along, and how far it takes them.
 
-use crate::step_length::step;
+use crate::rays::Line;
 use cube3_frame::{Axes, Geometry};
 use cube3_machine::GradientMethod;
 use glam::DVec3;
 
-/// The frame of an estimator's three differences, in a parallel view.
+/// The frame of an estimator's three differences.
 ///
-/// Let r be the step of the ray in the world, and e_u the way from a ray to the next one along u. Estimators 10 and 10n take their
+/// In a parallel view let r be the step of the ray in the world, and e_u the way from a ray to the next one along u. Estimators 10 and 10n take their
 /// difference along u between the feet of the perpendiculars from the sample on the rays beside it: e_u − t·r is at right angles to r for
 ///
 /// ```text
@@ -15,7 +15,7 @@ use glam::DVec3;
 /// ```
 ///
 /// and likewise along v; the third is along r. A foot is a lerp between two samples of its ray, so t is held at 1, which only voxels far
-/// from cubes reach. The others have the volume's axes. Light is reckoned as if the three were at right angles to each other, as in the
+/// from cubes reach. The others have the volume's axes, and in perspective, where r differs from ray to ray, there are only those. Light is reckoned as if the three were at right angles to each other, as in the
 /// machine. Pfister et al. 1995, section 4, figure 10.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Basis {
@@ -29,9 +29,10 @@ pub struct Basis {
 }
 
 impl Basis {
-    /// The frame of an estimator on the rays of a parallel geometry, in voxels of `spacing` (x, y, z).
+    /// The frame of an estimator on the rays of a geometry, in voxels of `spacing` (x, y, z). Of a perspective one it is good for estimators
+    /// other than 10 and 10n.
     pub fn new(geometry: &Geometry, spacing: [f64; 3], method: GradientMethod) -> Basis {
-        let ray = step(geometry, spacing);
+        let ray = Line::parallel(geometry).step(geometry, spacing);
         let beside = DVec3::from(geometry.axes.permute(spacing));
         let beside = [DVec3::X * beside, DVec3::Y * beside, DVec3::Z * beside];
         let foot = |side: DVec3| (side.dot(ray) / ray.length_squared()).min(1.0);

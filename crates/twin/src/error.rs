@@ -21,7 +21,27 @@ pub enum TwinError {
         /// The volume's, in the geometry's axes.
         volume: [usize; 3],
     },
-    /// A perspective view, for a caster of parallel rays.
-    #[error("view.perspective: the casters on the base plane have parallel rays; leave it out, or take image-order")]
-    Perspective,
+    /// The geometry of a perspective pass for a parallel view, or the other way round.
+    #[error(
+        "geometry: its rays are {}, the scene's are {}; set the frame up for this scene",
+        rays(*.geometry),
+        rays(!*.geometry)
+    )]
+    Rays {
+        /// Whether the geometry's rays are those of an eye.
+        geometry: bool,
+    },
+    /// An estimator of parallel rays, in perspective.
+    #[error(
+        "gradient: estimator {name} needs parallel rays, and in perspective each ray has its own direction; take 6, 12, 26, 6d or 26d"
+    )]
+    Estimator {
+        /// Its name.
+        name: &'static str,
+    },
+}
+
+/// Rays in words.
+fn rays(from_eye: bool) -> &'static str {
+    if from_eye { "those of an eye" } else { "parallel" }
 }

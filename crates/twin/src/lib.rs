@@ -11,14 +11,16 @@
 //! against the machine what its words cost.
 //!
 //! ```text
-//!   geometry ─► steps ──┐
-//!   volume ─► voxels ───┴─► sample_plane ─► gradient ─► integrate ─► base plane ─► warp ─► picture
-//!                                            basis      (reference)
+//!   geometry ─► rays, steps ─┐
+//!   volume ─► voxels ────────┴─► sample_plane ─► gradient ─► cast ─► base plane ─► warp ─► picture
+//!   scene ─► parts                               basis       (integrate of the reference)
 //! ```
 //!
+//! A parallel view has one frame. That of an eye has one for each of its passes, and each is cast by itself; [`warp_passes`] joins them.
+//!
 //! Of the machine it knows where the rays and samples are: [`Geometry`](cube3_frame::Geometry), and the name of an estimator. The rest is
-//! its own: [`Basis`] and [`step_length`] from the geometry's slopes and the voxels' spacing, clips and depth cue from the scene, as in
-//! [`cube3_reference`]. Nothing is read from a register that the host has written for them, so the host's arithmetic cannot hide in both.
+//! its own: [`Basis`] and [`step_length`] from the geometry's slopes and the voxels' spacing, clips, depth cue and the place of an eye from the
+//! scene, as in [`cube3_reference`]. Nothing is read from a register that the host has written for them, so the host's arithmetic cannot hide in both.
 //!
 //! Both run on every core and give the same bits whatever the number of threads.
 
@@ -26,16 +28,20 @@
 
 mod base_rendering;
 mod basis;
+mod cast;
 mod check;
 mod discrete;
 mod error;
 mod gradient;
+mod parts;
+mod rays;
 mod real_samples;
 mod sample_plane;
 mod step_length;
 mod steps;
 mod surface;
 mod voxels;
+mod warp;
 
 pub use base_rendering::BaseRendering;
 pub use basis::Basis;
@@ -46,3 +52,4 @@ pub use real_samples::RealSamples;
 pub use step_length::step_length;
 pub use steps::SampleCell;
 pub use surface::{SurfacePoint, surface_gradients};
+pub use warp::warp_passes;

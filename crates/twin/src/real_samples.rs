@@ -3,7 +3,7 @@
 use crate::TwinError;
 use crate::check::check_geometry;
 use crate::gradient::RealEstimator;
-use crate::steps::{SampleCell, Step, steps};
+use crate::steps::{Cells, SampleCell, planes};
 use crate::voxels::Voxels;
 use cube3_frame::{DiscreteRay, Geometry};
 use cube3_machine::GradientMethod;
@@ -15,7 +15,7 @@ use glam::DVec3;
 pub struct RealSamples<'a> {
     volume: &'a Volume,
     geometry: &'a Geometry,
-    steps: Vec<Step>,
+    cells: Cells,
     border: f64,
 }
 
@@ -32,7 +32,7 @@ impl<'a> RealSamples<'a> {
     ) -> Result<Self, TwinError> {
         check_volume(volume, border)?;
         check_geometry(volume, geometry)?;
-        Ok(RealSamples { volume, geometry, steps: steps(geometry, interpolation), border })
+        Ok(RealSamples { volume, geometry, cells: Cells::new(geometry, interpolation), border })
     }
 
     /// Sample `k` of a ray, where the machine takes one.
@@ -40,16 +40,15 @@ impl<'a> RealSamples<'a> {
         if !self.geometry.has_sample(ray, k) {
             return None;
         }
-        let step = &self.steps[k as usize];
-        let last = self.geometry.size.map(|n| n - 1);
+        let k = k as usize;
+        let planes = planes(self.geometry, k);
+        let [along_u, along_v] = self.cells.sides(self.geometry, ray, k);
         let voxel = |plane: usize, j: usize, i: usize| {
-            let column = ((ray.u + step.columns[plane] as i64) as usize + i).min(last[0]);
-            let row = ((ray.v + step.rows[plane] as i64) as usize + j).min(last[1]);
-            let at = [column, row, step.planes[plane]];
+            let at = [along_u.edges[i][plane], along_v.edges[j][plane], planes[plane]];
             with_samples!(&self.volume.samples, v => Voxels::new(v, self.volume.dims, self.geometry).at(at))
         };
         let corners = [0, 1].map(|plane| [0, 1].map(|j| [0, 1].map(|i| voxel(plane, j, i))));
-        Some(cell(corners, step.weights))
+        Some(cell(corners, [along_u.weight, along_v.weight, self.geometry.real_offset()]))
     }
 
     /// The gradient at sample `k` of a ray in the components of the method's
@@ -65,8 +64,9 @@ impl<'a> RealSamples<'a> {
         estimator.basis.world(&self.geometry.axes, self.estimate(&estimator, ray, k))
     }
 
-    fn estimate(&self, estimator: &RealEstimator, ray: DiscreteRay, k: i64) -> [f64; 3] {
-        estimator
-            .gradient(|[i, j, l]| self.sample(DiscreteRay { u: ray.u + i, v: ray.v + j }, k + l).unwrap_or(self.border))
+    fn estimate(&self, estimator: &RealEstimator<'_>, ray: DiscreteRay, k: i64) -> [f64; 3] {
+        let beside =
+            |[i, j, l]: [i64; 3]| self.sample(DiscreteRay { u: ray.u + i, v: ray.v + j }, k + l).unwrap_or(self.border);
+        estimator.gradient(ray, usize::try_from(k).unwrap_or(0), beside)
     }
 }

@@ -1,6 +1,6 @@
 //! Gradients on a thresholded surface: the experiment of Pfister et al. 1995, section 6.2.
 
-use crate::check::check_geometry;
+use crate::check::{check_estimator, check_geometry};
 use crate::gradient::RealEstimator;
 use crate::sample_plane::Sampler;
 use crate::voxels::Voxels;
@@ -25,7 +25,8 @@ pub struct SurfacePoint {
 /// The first sample above `threshold` on every ray that has one, row by row of the base plane.
 ///
 /// # Errors
-/// A volume that is no grid of finite values, a geometry of another volume, a border that is not finite.
+/// A volume that is no grid of finite values, a geometry of another volume, a border that is not finite, an estimator of parallel rays in
+/// perspective.
 pub fn surface_gradients(
     volume: &Volume,
     geometry: &Geometry,
@@ -35,17 +36,18 @@ pub fn surface_gradients(
 ) -> Result<Vec<SurfacePoint>, TwinError> {
     check_volume(volume, options.border)?;
     check_geometry(volume, geometry)?;
+    check_estimator(geometry, options.gradient)?;
     let estimator = RealEstimator::new(geometry, volume.spacing, options.gradient);
     let [width, height] = geometry.base_plane_size();
-    let (first_u, first_v) = (-(geometry.shear_u() as i64), -(geometry.shear_v() as i64));
+    let first = geometry.first_ray();
     Ok(with_samples!(&volume.samples, v => {
         let sampler = Sampler::new(geometry, Voxels::new(v, volume.dims, geometry), interpolation, options.border);
         let row = |row: usize| {
-            let window = sampler.window(first_v + row as i64, true);
+            let window = sampler.window(first.v + row as i64, true);
             let mut met = vec![None; width];
             for k in 0..geometry.size[2] {
                 for u in geometry.valid_columns(window.v, k) {
-                    let column = (u - first_u) as usize;
+                    let column = (u - first.u) as usize;
                     if met[column].is_none() && window.sample(column, k) > threshold {
                         met[column] = Some(k);
                     }
@@ -53,8 +55,8 @@ pub fn surface_gradients(
             }
             let point = |(column, k): (usize, Option<usize>)| {
                 let k = k?;
-                let ray = DiscreteRay { u: first_u + column as i64, v: window.v };
-                let components = estimator.gradient(|by| window.neighbour(column, k, by));
+                let ray = window.ray(column);
+                let components = window.gradient(&estimator, column, k);
                 Some(SurfacePoint {
                     ray,
                     position: geometry.axes.voxel_position(geometry.size, geometry.sample_position(ray, k)),

@@ -46,7 +46,9 @@ fn runs() -> Vec<(Vec<String>, Need)> {
         for (runs, fidelity) in
             [(Runs::Function, "function"), (Runs::Timing, "timing"), (Runs::Both, "both"), (Runs::Cycle, "cycle")]
         {
-            for (fov, threads, reference) in [(None, 1, "none"), (Some("30"), 2, "none"), (None, 2, "sheared")] {
+            for (fov, threads, reference) in
+                [(None, 1, "none"), (Some("30"), 2, "none"), (None, 2, "sheared"), (Some("30"), 2, "sheared")]
+            {
                 if runs == Runs::Cycle && (side > 100 || reference != "none") {
                     continue;
                 }

@@ -53,7 +53,7 @@ fn the_table_lists_every_method_and_what_it_shows() {
         let row = rows.iter().find(|row| row["name"] == name).unwrap();
         row["supports"].as_array().unwrap().contains(&feature.into())
     };
-    assert!(shows("image-order", "perspective") && !shows("true", "perspective") && shows("true", "labels"));
+    assert!(names.iter().all(|name| shows(name, "perspective") && shows(name, "labels")));
 }
 
 /// Each method renders, and *function*, *cycle* and a run give the same picture.
@@ -156,6 +156,35 @@ fn without_the_search_a_report_says_so() {
 }
 
 #[test]
+fn an_eye_sees_by_every_method_and_against_every_reference() {
+    let folder = folder();
+    let path = folder.path();
+    let eye = ["--fov", "70", "--no-limits"];
+    let mut pictures = Vec::new();
+    for name in ["sheared", "true"] {
+        good(path, &[&["render", "--method", name, "--fov", "70", "--out", name], SMALL.as_slice()].concat());
+        let picture = std::fs::read(path.join(name).join("image.png")).unwrap();
+        good(path, &[&["run", "--reference", name, "--out", "run"], eye.as_slice(), &SMALL].concat());
+        assert_eq!(checked::report(&path.join("run"))["error"]["against"], name);
+        assert_eq!(std::fs::read(path.join("run/reference.png")).unwrap(), picture, "{name}");
+        pictures.push(picture);
+    }
+    assert_ne!(pictures[0], pictures[1]);
+}
+
+#[test]
+fn a_method_that_is_not_there_is_refused_with_what_is() {
+    let folder = folder();
+    let path = folder.path();
+    let told = refused(path, &["render", "--method", "imageorder"]);
+    assert!(told.contains("there is no method imageorder: did you mean image-order?"), "{told}");
+    let told = refused(path, &["run", "--reference", "image-order:9"]);
+    assert!(told.contains("'9' is no option of the method image-order; give step: 0.002 to 8 voxels"), "{told}");
+    let told = refused(path, &["render", "--method", "function", "--machine", "nowhere.toml"]);
+    assert!(told.contains("nowhere.toml") && told.contains("give a machine file"), "{told}");
+}
+
+#[test]
 fn what_a_method_cannot_show_is_refused_with_what_it_lacks() {
     let folder = folder();
     let path = folder.path();
@@ -165,10 +194,4 @@ fn what_a_method_cannot_show_is_refused_with_what_it_lacks() {
         assert_eq!(told, format!("cube3: {lacks}"));
     }
     assert!(!path.join("none").exists());
-    let told = refused(path, &["render", "--method", "imageorder"]);
-    assert!(told.contains("there is no method imageorder: did you mean image-order?"), "{told}");
-    let told = refused(path, &["run", "--reference", "image-order:9"]);
-    assert!(told.contains("'9' is no option of the method image-order; give step: 0.002 to 8 voxels"), "{told}");
-    let told = refused(path, &["render", "--method", "function", "--machine", "nowhere.toml"]);
-    assert!(told.contains("nowhere.toml") && told.contains("give a machine file"), "{told}");
 }

@@ -21,6 +21,7 @@ mod limits;
 mod links;
 mod near_eye;
 mod perspective;
+mod perspective_twin;
 mod plan;
 mod presets;
 mod recorded_vectors;

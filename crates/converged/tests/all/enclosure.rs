@@ -14,7 +14,8 @@ fn the_integral_and_every_phase_of_samples_lie_in_it() {
         }
         // A step is in the smallest spacing, so no more voxels along any axis.
         let ranges = enclosure(&volume, &scene, 1.5).unwrap();
-        let exact = converged(&volume, &scene, &ConvergedOptions { tolerance: 1e-6, ..Default::default() }, None).unwrap();
+        let exact =
+            converged(&volume, &scene, &ConvergedOptions { tolerance: 1e-6, ..Default::default() }, None).unwrap();
         let steps = [1.0, 0.37, 0.1].map(|step_voxel| {
             let options = ImageOrderOptions { step_voxel, ..Default::default() };
             image_order(&volume, &scene, &options, None).unwrap().picture

@@ -1,11 +1,13 @@
 //! The table of methods: each row is the code behind it, and a method that is added needs nothing else.
 
-use cube3_frame::{BasePlane, Geometry};
+use cube3_frame::{BasePlane, FrameSetup, Geometry};
 use cube3_function::{CanonicalVolume, render};
 use cube3_host::{PictureFrames, picture_setup, warp_passes};
 use cube3_inputs::{LoadedVolume, load_volume};
 use cube3_machine::MachineSpec;
-use cube3_method::{CONVERGED, Choice, FUNCTION, IMAGE_ORDER, METHODS, Method, SHEARED, Subject, names, own_error};
+use cube3_method::{
+    CONVERGED, Choice, FUNCTION, IMAGE_ORDER, METHODS, Method, RenderError, SHEARED, Subject, TRUE, names, own_error,
+};
 use cube3_picture::{Phase, Picture, Rendering, Watch};
 use cube3_pipeline::Machine;
 use cube3_reference::{ImageOrderOptions, image_order};
@@ -13,10 +15,10 @@ use cube3_rendering::{About, Feature, MethodError, MethodOption, OptionKind, Sce
 use cube3_scene::{
     ColourPoint, Crop, Cut, DepthCue, Image, Layer, Light, Mode, Perspective, Scene, Threshold, View, VolumeSource,
 };
-use cube3_twin::{DiscreteOptions, SampleCell, discrete};
+use cube3_twin::{BaseRendering, DiscreteOptions, SampleCell, discrete};
 use cube3_volume::ReadOptions;
 use std::collections::BTreeSet;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 const SIDE: usize = 14;
 
@@ -89,12 +91,17 @@ fn each_row_is_the_code_behind_it() {
 /// Phases have names and times, and each is watched to its end.
 #[test]
 fn phases_are_timed_and_watched() {
-    let scene = scene();
-    let (machine, volume) = (machine(), load(&scene));
-    for &method in METHODS {
+    let parallel = scene();
+    let eye = Perspective { eye_voxel: Some([-9.0, -10.0, 7.0]), ..Perspective::new(100.0) };
+    let view = View { perspective: Some(eye), ..View::from_angles(-40.0, 10.0) };
+    let from_eye =
+        Scene { view, image: Image { pixel_size_voxel: None, ..parallel.image.clone() }, ..parallel.clone() };
+    for (scene, &method) in [&parallel, &from_eye].into_iter().flat_map(|scene| METHODS.iter().map(move |m| (scene, m)))
+    {
+        let (machine, volume) = (machine(), load(scene));
         let seen = Mutex::new(Vec::new());
         let watch: Watch<'_> = &|what, done, all| seen.lock().unwrap().push((what, done, all));
-        let rendering = Choice::of(method).render(&Subject::new(&scene, &machine, &volume), watch).unwrap();
+        let rendering = Choice::of(method).render(&Subject::new(scene, &machine, &volume), watch).unwrap();
         let name = method.about.name;
         assert!(rendering.phases.iter().all(|phase| phase.seconds >= 0.0 && !phase.name.is_empty()), "{name}");
         let sum: f64 = rendering.phases.iter().map(|phase| phase.seconds).sum();
@@ -198,6 +205,57 @@ fn a_scene_that_a_method_cannot_show_is_refused_with_what_it_lacks_and_who_can()
         let names: Vec<&str> = METHODS.iter().filter(|method| !able(method)).map(|method| method.about.name).collect();
         assert_eq!(names, if mode.adds_up() { vec![] } else { vec!["converged"] }, "{mode}");
     }
+}
+
+/// From an eye the twins cast each pass of the picture, with the estimator that the pass has, and warp all of them.
+#[test]
+fn from_an_eye_each_row_is_the_code_behind_it() {
+    for (eye_voxel, one_pass) in [([6.0, -20.0, 9.0], true), ([-9.0, -10.0, 7.0], false), ([6.0, 7.5, 5.0], false)] {
+        let perspective = Perspective { eye_voxel: Some(eye_voxel), ..Perspective::new(100.0) };
+        let mut scene = scene();
+        scene.image.pixel_size_voxel = None;
+        scene.view = View { yaw_deg: -40.0, tilt_deg: 10.0, perspective: Some(perspective), ..scene.view };
+        if one_pass {
+            (scene.view.yaw_deg, scene.view.tilt_deg) = (0.0, 0.0);
+        }
+        let (machine, volume) = (machine(), load(&scene));
+        let frames = picture_setup(&scene, &machine, &volume.info(), true).unwrap();
+        assert_eq!(frames.setups.len() == 1, one_pass, "{eye_voxel:?}");
+        for (name, interpolation, whole_steps) in [
+            ("sheared", SampleCell::Sheared, false),
+            ("true", SampleCell::Exact, false),
+            ("sheared:published", SampleCell::Sheared, true),
+        ] {
+            let cast = |setup: &Arc<FrameSetup>| {
+                let gradient = setup.gradient.as_ref().unwrap().method;
+                let options = DiscreteOptions { gradient, border: volume.words.window[0], whole_steps };
+                discrete(&volume.data, &scene, &setup.geometry, interpolation, &options, None).unwrap()
+            };
+            let bases: Vec<BaseRendering> = frames.setups.iter().map(cast).collect();
+            let passes: Vec<(&BaseRendering, &Geometry)> =
+                bases.iter().zip(frames.setups.iter().map(|setup| &setup.geometry)).collect();
+            let expected = cube3_twin::warp_passes(&passes, &frames.plane, volume.data.spacing, scene.background);
+            let rendering = of_text(name, &scene);
+            assert!(rendering.picture.pixels.iter().any(|pixel| *pixel != scene.background));
+            assert_eq!(rendering.picture.pixels, expected, "{name} from {eye_voxel:?}");
+            assert_eq!(rendering.samples, frames.setups.iter().map(|setup| setup.geometry.sample_count()).sum::<u64>());
+        }
+    }
+}
+
+/// An eye that looks away from the volume: no frame, and so no rays of a machine; the others show the background.
+#[test]
+fn without_a_frame_there_are_no_rays_of_it() {
+    let perspective = Perspective { eye_voxel: Some([7.0, -20.0, 7.0]), ..Perspective::new(40.0) };
+    let mut scene = scene();
+    scene.image.pixel_size_voxel = None;
+    scene.view = View { perspective: Some(perspective), ..View::from_angles(180.0, 0.0) };
+    for method in [&SHEARED, &TRUE] {
+        let volume = load(&scene);
+        let refused = Choice::of(method).render(&Subject::new(&scene, &machine(), &volume), &|_, _, _| {});
+        assert!(matches!(refused, Err(RenderError::NoFrame)));
+    }
+    assert!(of_text("function", &scene).picture.pixels.iter().all(|pixel| *pixel == scene.background));
 }
 
 /// A method as another crate would have it: one brightness everywhere, and no cuts.

@@ -5,7 +5,7 @@ use crate::common::{VIEWS, assert_sane, geometry, geometry_along, noise, one_vox
 use cube3_frame::DiscreteRay;
 use cube3_machine::{GradientMethod, TemplateRule};
 use cube3_reference::{ImageOrderOptions, RaycastError as Refused, image_order};
-use cube3_scene::{Mode, Perspective, Scene, Transfer, View};
+use cube3_scene::{Mode, Scene, Transfer, View};
 use cube3_twin::{DiscreteOptions, SampleCell, TwinError, discrete, sheared, surface_gradients, true_3d};
 use cube3_volume::{Samples, Volume};
 use glam::DVec3;
@@ -167,20 +167,4 @@ fn parts_that_do_not_fit_are_refused() {
     let geometry = geometry_along(&other, DVec3::Y, TemplateRule::SampleFloor, 0.5);
     let error = sheared(&volume, &Scene::default(), &geometry, &DiscreteOptions::default(), None).unwrap_err();
     assert!(matches!(error, TwinError::Geometry { .. }), "{error}");
-}
-
-#[test]
-fn the_casters_on_the_base_plane_say_that_they_are_parallel() {
-    let volume = noise([6; 3], [1.0; 3], 9);
-    let mut seen = scene_along([0.0, 1.0, 0.0]);
-    seen.view.perspective = Some(Perspective::new(40.0));
-    let geometry = geometry(&volume, &seen);
-    let options = DiscreteOptions::default();
-    for refused in [
-        sheared(&volume, &seen, &geometry, &options, None).unwrap_err(),
-        true_3d(&volume, &seen, &geometry, &options, None).unwrap_err(),
-    ] {
-        assert!(matches!(refused, TwinError::Perspective), "{refused}");
-        assert!(refused.to_string().starts_with("view.perspective: "));
-    }
 }

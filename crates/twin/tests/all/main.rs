@@ -6,6 +6,8 @@ mod common;
 mod convergence;
 mod ct_head;
 mod extremes;
+mod eye;
+mod eye_rays;
 mod gradients;
 mod interpolation;
 mod invariance;

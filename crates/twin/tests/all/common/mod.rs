@@ -3,6 +3,8 @@
 #[path = "../../../../reference/tests/all/common/mod.rs"]
 mod shared;
 
+pub mod passes;
+
 pub use shared::*;
 
 use cube3_frame::{Geometry, largest_offset, slope_register};
