@@ -10,7 +10,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(problem) => {
             eprintln!("cube3: {problem}");
-            ExitCode::from(2)
+            ExitCode::from(problem.code())
         }
     }
 }

@@ -66,14 +66,6 @@ impl Chord {
     }
 }
 
-/// Methods with words; the others have reals.
-const IN_WORDS: [&str; 2] = ["function", "cycle"];
-
-/// Whether a method has words.
-pub fn has_words(method: &Method) -> bool {
-    IN_WORDS.contains(&method.about.name)
-}
-
 /// A picture with a closed form.
 pub struct KnownAnswer {
     /// Its name.

@@ -41,6 +41,8 @@ pub const CONVERGED: SceneMethod = SceneMethod {
             about: "the most that a channel may be off by",
             kind: OptionKind::Number { range: TOLERANCES, default: 1e-6, unit: "of full scale" },
         }],
+        in_words: false,
+        reach_voxel: 0.0,
     },
     render,
     sparse: Some(sparse),

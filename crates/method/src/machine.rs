@@ -8,6 +8,10 @@ use cube3_picture::{Phase, Picture, Rendering, Watch};
 use cube3_pipeline::{Machine, RunError};
 use cube3_rendering::{About, Feature, Settings};
 
+/// One voxel from the pixel to the rays beside it, one along the ray to the sample that stands for a place, one to the next discrete ray where the
+/// cell is sheared, and the cell itself.
+pub(crate) const REACH_VOXEL: f64 = 4.0;
+
 /// Without the clock.
 pub(crate) const FUNCTION: About = About {
     name: "function",
@@ -15,6 +19,8 @@ pub(crate) const FUNCTION: About = About {
     source: "Pfister et al. 1995, in words",
     supports: &Feature::ALL,
     options: &[],
+    in_words: true,
+    reach_voxel: REACH_VOXEL,
 };
 
 /// Cycle by cycle.
@@ -24,6 +30,8 @@ pub(crate) const CYCLE: About = About {
     source: "Pfister et al. 1995, in words",
     supports: &Feature::ALL,
     options: &[],
+    in_words: true,
+    reach_voxel: REACH_VOXEL,
 };
 
 pub(crate) fn function(subject: &Subject<'_>, _: &Settings, watch: Watch<'_>) -> Result<Rendering, RenderError> {

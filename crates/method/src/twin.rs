@@ -1,5 +1,6 @@
 //! The machine's rays and samples in reals.
 
+use crate::machine::REACH_VOXEL;
 use crate::{RenderError, Subject};
 use cube3_frame::Geometry;
 use cube3_picture::{Phase, Picture, Rendering, Watch};
@@ -22,6 +23,8 @@ pub(crate) const SHEARED: About = About {
     source: "Pfister et al. 1995, section 6 (Sheared3D)",
     supports: &Feature::ALL,
     options: OPTIONS,
+    in_words: false,
+    reach_voxel: REACH_VOXEL,
 };
 
 /// The machine's rays, samples in their exact 8-neighbourhood.
@@ -31,6 +34,8 @@ pub(crate) const TRUE: About = About {
     source: "Pfister et al. 1995, section 6 (True3D)",
     supports: &Feature::ALL,
     options: OPTIONS,
+    in_words: false,
+    reach_voxel: REACH_VOXEL,
 };
 
 pub(crate) fn sheared(subject: &Subject<'_>, settings: &Settings, watch: Watch<'_>) -> Result<Rendering, RenderError> {

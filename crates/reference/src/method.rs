@@ -28,6 +28,9 @@ pub const IMAGE_ORDER: SceneMethod = SceneMethod {
             about: "length of a step, in units of the smallest voxel spacing",
             kind: OptionKind::Number { range: STEPS, default: STEP_VOXEL, unit: "voxels" },
         }],
+        in_words: false,
+        // Half of a step to the sample, and its cell.
+        reach_voxel: STEP_VOXEL / 2.0,
     },
     render,
     sparse: Some(sparse),

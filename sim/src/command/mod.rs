@@ -9,6 +9,7 @@ mod render;
 mod run;
 mod scene;
 mod scene_file;
+mod stress;
 mod vectors;
 mod verify;
 mod volume;
@@ -47,6 +48,8 @@ enum Command {
     Machine(machine::MachineArguments),
     /// Look at scenes: parameters, a scene with every key.
     Scene(scene_file::SceneFileArguments),
+    /// The stiff and the extreme by every method, against the converged integral; ends with 1 where a bound is not kept.
+    Stress(stress::StressArguments),
     /// Speed, as ratios and as fractions of the hardware's limit.
     Bench(bench::BenchArguments),
 }
@@ -67,6 +70,7 @@ impl Arguments {
             Some(Command::Volume(arguments)) => arguments.execute(),
             Some(Command::Machine(arguments)) => arguments.execute(),
             Some(Command::Scene(arguments)) => arguments.execute(),
+            Some(Command::Stress(arguments)) => arguments.execute(),
             Some(Command::Bench(arguments)) => arguments.execute(),
         }
     }

@@ -1,7 +1,7 @@
 //! Every way to make a picture gives every picture that has a closed form.
 
 use cube3_method::{METHODS, Method};
-use cube3_tests::known_answers::{ANSWERS, Answer, KnownAnswer, has_words};
+use cube3_tests::known_answers::{ANSWERS, Answer, KnownAnswer};
 use rayon::prelude::*;
 
 /// The pixels of all views that were asked for, and those that are farther from the closed form than the method may be.
@@ -11,7 +11,7 @@ fn held(known: &KnownAnswer, method: &'static Method) -> (usize, Vec<String>) {
         let Some(picture) = question.picture(method) else { continue };
         for (pixel, chord) in question.chords().into_iter().enumerate() {
             let Some(Answer { value, steps, words }) = chord.and_then(|chord| (known.answer)(&chord)) else { continue };
-            let tolerance = if has_words(method) { steps + words } else { steps };
+            let tolerance = if method.about.in_words { steps + words } else { steps };
             let error = (picture[pixel] - value).abs();
             pixels += 1;
             most = most.max(error / tolerance);

@@ -270,6 +270,8 @@ const FLAT: SceneMethod = SceneMethod {
             about: "of every pixel",
             kind: OptionKind::Number { range: [0.0, 1.0], default: 0.5, unit: "" },
         }],
+        in_words: false,
+        reach_voxel: 0.0,
     },
     render: flat,
     sparse: None,
