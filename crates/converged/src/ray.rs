@@ -145,7 +145,8 @@ impl<'a> Ray<'a> {
         let analytic = |layers| self.quadrature.analytic(&part, &stretch, layers, arriving);
         match layers.ok_or(Obstacle::Near).and_then(analytic) {
             Ok(added) => self.apply(added),
-            Err(Obstacle::At(x)) if !last && x.abs() < 1.0 - 1e-12 => self.split(task, x, false),
+            // Near an end halves come away from it sooner.
+            Err(Obstacle::At(x)) if !last && x.abs() < 1.0 - 1e-3 => self.split(task, x, false),
             Err(_) => self.whole_or_halves(&part, task, last),
         }
         true

@@ -63,7 +63,11 @@ pub const CASES: &[Case] = &[
     case("opacity", "opacity by the gradient, with a step and a shell of it", || {
         let layer = |gradient, alpha| Layer { gradient, opacity: vec![[0.0, 0.0], [255.0, alpha]] };
         let of = |layers: Vec<Layer>| {
-            ball().with(|s| (s.scene.transfer.opacity, s.scene.transfer.layers) = (vec![], layers))
+            // A table of 2^14 values by the gradient's would not fit.
+            ball().with(|s| {
+                (s.scene.transfer.opacity, s.scene.transfer.layers) = (vec![], layers);
+                (s.machine.words.table_bits, s.machine.words.table_gradient_bits) = (8, 7);
+            })
         };
         vec![
             of(vec![layer(0.0, 0.0), layer(40.0, 0.9)]),
