@@ -9,13 +9,16 @@
 
 use crate::nasty::{Case, cases};
 use cube3_converged::{ConvergedOptions, converged};
-use cube3_reference::{Line, margin, nearest_axis};
+use cube3_reference::{ImageOrderOptions, Line, image_order, margin, nearest_axis};
 use cube3_scene::{ImagePlane, Scene, smallest_spacing};
 use cube3_volume::{Volume, with_samples};
 use serde_json::{Map, Value, json};
+use std::sync::LazyLock;
 
 const CASES: &str = include_str!("fifty_digits_cases.json");
 const EXPECTED: &str = include_str!("fifty_digits.json");
+
+const TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
 
 /// Tables of a scene that differ from the default's.
 fn scene_json(scene: &Scene) -> Value {
@@ -84,40 +87,89 @@ fn the_cases_are_those_that_were_sent_out() {
     assert!(written() == CASES, "rays or scenes have changed: write the cases again, and their pixels");
 }
 
-/// The largest error of a channel, and the bound.
-fn error_and_bound(case: &Case, expected: &Value, tolerance: f64) -> [f64; 2] {
-    let options = ConvergedOptions { tolerance, border: case.border, every: 1 };
-    let made = converged(&case.volume, &case.scene, &options, None).unwrap();
-    let index = case.pixel[1] * made.picture.width + case.pixel[0];
-    let error = |k: usize| {
-        let digits: f64 = expected["pixel"][k].as_str().unwrap().parse().unwrap();
-        (made.picture.pixels[index][k] - digits).abs()
-    };
-    [error(0).max(error(1)).max(error(2)), made.bounds[index]]
+/// A ray at a tolerance.
+struct Measured {
+    name: String,
+    tolerance: f64,
+    /// The largest of the three channels'.
+    error: f64,
+    bound: f64,
 }
 
-#[test]
-fn two_hundred_nasty_rays_are_within_their_bounds_of_fifty_digits() {
+impl Measured {
+    fn line(&self) -> String {
+        let Measured { name, tolerance, error, bound } = self;
+        format!("{name} at {tolerance:e}: error {error:.3e}, bound {bound:.3e}\n")
+    }
+}
+
+/// The largest distance of a channel from its 25 digits, which a double reads as well as it can.
+fn distance(pixel: [f64; 3], expected: &Value) -> f64 {
+    let channel = |k: usize| (pixel[k] - expected["pixel"][k].as_str().unwrap().parse::<f64>().unwrap()).abs();
+    channel(0).max(channel(1)).max(channel(2))
+}
+
+/// The cases with what was worked out for them.
+fn expected() -> Vec<(Case, Value)> {
     let expected: Vec<Value> = serde_json::from_str(EXPECTED).unwrap();
     let cases = cases();
     assert_eq!(cases.len(), expected.len());
-    let mut wrong = Vec::new();
-    for tolerance in [1e-3, 1e-6, 1e-9, 1e-12] {
-        let mut worst = (0.0, String::new());
-        for (case, expected) in cases.iter().zip(&expected) {
-            assert_eq!(case.name, expected["name"].as_str().unwrap());
-            let [error, bound] = error_and_bound(case, expected, tolerance);
-            if error > bound {
-                wrong.push(format!("{} at {tolerance:e}: error {error:e}, bound {bound:e}", case.name));
-            }
-            if tolerance > 1e-12 && bound > tolerance {
-                wrong.push(format!("{} at {tolerance:e}: bound {bound:e}", case.name));
-            }
-            if error / bound > worst.0 {
-                worst = (error / bound, case.name.clone());
-            }
-        }
-        println!("{tolerance:e}: the largest error is {} of its bound, in {}", worst.0, worst.1);
+    let pairs = cases.into_iter().zip(expected);
+    pairs.inspect(|(case, expected)| assert_eq!(case.name, expected["name"].as_str().unwrap())).collect()
+}
+
+/// Every case at every tolerance.
+static MEASURED: LazyLock<Vec<Measured>> = LazyLock::new(|| {
+    let measure = |(case, expected): &(Case, Value), tolerance: f64| {
+        let options = ConvergedOptions { tolerance, border: case.border, every: 1 };
+        let made = converged(&case.volume, &case.scene, &options, None).unwrap();
+        let index = case.pixel[1] * made.picture.width + case.pixel[0];
+        let error = distance(made.picture.pixels[index], expected);
+        Measured { name: case.name.clone(), tolerance, error, bound: made.bounds[index] }
+    };
+    let expected = expected();
+    TOLERANCES.iter().flat_map(|tolerance| expected.iter().map(|case| measure(case, *tolerance))).collect()
+});
+
+#[test]
+fn two_hundred_nasty_rays_are_within_their_bounds_of_fifty_digits() {
+    for tolerance in TOLERANCES {
+        // A bound that is wide says little: those within the tolerance are what a wrong one would show in.
+        let of = MEASURED.iter().filter(|m| m.tolerance == tolerance);
+        let (within, wide): (Vec<&Measured>, Vec<&Measured>) = of.partition(|m| m.bound <= tolerance);
+        let worst = |all: &[&Measured]| {
+            let most = all.iter().max_by(|a, b| (a.error / a.bound).total_cmp(&(b.error / b.bound)));
+            most.map_or("none".into(), |m| format!("{:.4} in {}", m.error / m.bound, m.name))
+        };
+        let near = within.iter().filter(|m| m.error > 0.1 * m.bound).count();
+        println!(
+            "{tolerance:e}: {} bounds within; largest error/bound {}, {near} above a tenth; {} wide, largest {}",
+            within.len(),
+            worst(&within),
+            wide.len(),
+            worst(&wide)
+        );
     }
-    assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
+    let wrong: Vec<String> = MEASURED.iter().filter(|m| !(m.error <= m.bound)).map(Measured::line).collect();
+    assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.concat());
+}
+
+#[test]
+fn the_bounds_of_two_hundred_nasty_rays_are_within_the_tolerance() {
+    // At 10⁻¹² rounding itself may be more than the tolerance: there the bound alone counts.
+    let asked = MEASURED.iter().filter(|m| m.tolerance > 1e-12);
+    let wide: Vec<String> = asked.filter(|m| m.bound > m.tolerance).map(Measured::line).collect();
+    assert!(wide.is_empty(), "{} wide:\n{}", wide.len(), wide.concat());
+}
+
+/// The outside hand's pixels against steps: a shell or a surface is off by a step's absorption, all else by far less.
+#[test]
+#[ignore = "a minute of short steps"]
+fn image_order_comes_to_the_same_pixels() {
+    for (case, expected) in expected() {
+        let options = ImageOrderOptions { step_voxel: 0.0005, border: case.border, ..ImageOrderOptions::default() };
+        let made = image_order(&case.volume, &case.scene, &options, None).unwrap();
+        let apart = distance(made.picture.pixels[case.pixel[1] * made.picture.width + case.pixel[0]], &expected);
+        assert!(apart < 2e-3, "{}: {apart:e}", case.name);
+    }
 }
