@@ -63,20 +63,11 @@ fn evaluations(seed: u64, tolerance: f64) -> [u64; 2] {
 #[test]
 fn evaluations_are_at_most_four_times_those_that_the_true_error_would_stop() {
     for tolerance in [1e-3, 1e-5] {
-        let all: Vec<[u64; 2]> =
-            (0..300).map(|seed| evaluations(seed, tolerance)).filter(|[made, _]| *made > 0).collect();
+        let all: Vec<[u64; 2]> = (0..300).map(|seed| evaluations(seed, tolerance)).filter(|[made, _]| *made > 0).collect();
         let sum = |i: usize| all.iter().map(|pair| pair[i]).sum::<u64>() as f64;
         let mut ratios: Vec<f64> = all.iter().map(|[made, fewest]| *made as f64 / (*fewest).max(1) as f64).collect();
         ratios.sort_by(f64::total_cmp);
-        println!(
-            "{tolerance}: {} of {}: {}; median {}, 90 % {}, worst {:?}",
-            sum(0),
-            sum(1),
-            sum(0) / sum(1),
-            ratios[ratios.len() / 2],
-            ratios[ratios.len() * 9 / 10],
-            &ratios[ratios.len() - 5..]
-        );
+        println!("{tolerance}: {} of {}: {}; median {}, 90 % {}, worst {:?}", sum(0), sum(1), sum(0) / sum(1), ratios[ratios.len() / 2], ratios[ratios.len() * 9 / 10], &ratios[ratios.len()-5..]);
         assert!(sum(0) <= 4.0 * sum(1));
     }
 }
