@@ -2,4 +2,6 @@
 
 mod bound;
 mod enclosure;
+mod fifty_digits;
+mod nasty;
 mod scenes;
