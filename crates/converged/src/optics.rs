@@ -242,7 +242,11 @@ impl<'a> Optics<'a> {
     /// The least and the largest colour along a part, whatever bends in it; before the clamp to 1 and the cue where `raw`.
     pub fn colours(&self, part: &Part, lights: &[ResolvedLight], raw: bool) -> [[f64; 2]; 3] {
         let [low, high] = polynomial::range(&part.value);
-        let rgb = self.stretches.colours([low - part.slack, high + part.slack]);
+        self.lit_range(part, lights, self.stretches.colours([low - part.slack, high + part.slack]), raw)
+    }
+
+    /// The same, of colours before light.
+    pub fn lit_range(&self, part: &Part, lights: &[ResolvedLight], rgb: [[f64; 2]; 3], raw: bool) -> [[f64; 2]; 3] {
         let material = &self.scene.material;
         let mut lit = rgb.map(|[low, high]| [self.ambient * low, self.ambient * high]);
         if let Some(gradient) = part.gradient.as_ref().filter(|gradient| self.lit && !gradient.is_flat()) {

@@ -209,8 +209,10 @@ impl<'a> Ray<'a> {
         let allowed = request.allowed_range(self.integral.ranges);
         let small = match request.weight {
             Some(weight) => known.error_of_sum() * weight <= allowed,
-            None if known.hides_all => task.then_opaque && arriving * known.colour_half() <= allowed,
-            None => arriving * known.error() <= allowed,
+            None => match &known.hides_all {
+                Some(hides) => task.then_opaque && arriving * hides.error() <= allowed,
+                None => arriving * known.error() <= allowed,
+            },
         };
         if small || last {
             self.integral.ranges += 1;
@@ -222,12 +224,13 @@ impl<'a> Ray<'a> {
 
     /// Adds a part of which only ranges are known.
     fn take(&mut self, known: &Known) {
-        if known.hides_all {
+        if let Some(hides) = &known.hides_all {
             let hull = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
             self.integral.pending = Some(match self.integral.pending {
-                Some(before) => [0, 1, 2].map(|i| hull(before[i], known.colour[i])),
-                None => known.colour,
+                Some(before) => [0, 1, 2].map(|i| hull(before[i], hides.colour[i])),
+                None => hides.colour,
             });
+            self.integral.bound += self.integral.transmittance * hides.before + ROUNDED;
             return;
         }
         self.resolve();

@@ -17,6 +17,8 @@ pub(crate) struct Stretch {
     pub opacity: Vec<Line>,
     /// Red, green and blue.
     pub colour: [Line; 3],
+    /// Outside of the threshold.
+    removed: bool,
     /// Nothing of it is seen.
     pub clear: bool,
     /// Nothing is seen through it.
@@ -109,7 +111,15 @@ impl Stretches {
         let ends = std::iter::once(f64::NEG_INFINITY).chain(bends.iter().copied());
         let ends = ends.zip(bends.iter().copied().chain([f64::INFINITY]));
         let stretch = |(low, high): (f64, f64)| {
-            let origin = if low.is_finite() { low } else { high };
+            // At the end of the largest opacity lines have their digits of what is let through.
+            let most = |end: f64, other: f64| {
+                layers.iter().map(|points| end_of(points, end, other)).fold(f64::NEG_INFINITY, f64::max)
+            };
+            let origin = match (low.is_finite(), high.is_finite()) {
+                (true, true) if most(high, low) > most(low, high) => high,
+                (true, _) => low,
+                _ => high,
+            };
             let opacity: Vec<Line> = layers.iter().map(|points| line(points, low, high, origin)).collect();
             let inside = match (low.is_finite(), high.is_finite()) {
                 (true, true) => f64::midpoint(low, high),
@@ -121,6 +131,7 @@ impl Stretches {
             Stretch {
                 values: [low, high],
                 origin,
+                removed,
                 clear: removed || all(0.0),
                 opaque: !removed && all(1.0),
                 colour: [0, 1, 2].map(|i| line(&colours[i], low, high, origin)),
@@ -128,15 +139,16 @@ impl Stretches {
             }
         };
         let list: Vec<Stretch> = ends.map(stretch).collect();
+        // Two points of one value that differ; and the edge of the threshold, unless it is clear on both sides.
+        let steps = |points: &[[f64; 2]], bend: f64| {
+            let mut of = points.iter().filter(|point| point[0] == bend).map(|point| point[1]);
+            of.next().is_some_and(|first| of.next_back().is_some_and(|last| last != first))
+        };
         let jump = |pair: &[Stretch]| {
             let bend = pair[0].values[1];
-            let apart = |a: f64, b: f64| (a - b).abs() > 1e-15;
-            let opacity = |i: usize| {
-                let of = |s: &Stretch| if s.clear { 0.0 } else { s.opacity_at(i, bend) };
-                apart(of(&pair[0]), of(&pair[1]))
-            };
-            let colours = [pair[0].colour_at(bend), pair[1].colour_at(bend)];
-            (0..layers.len()).any(opacity) || (0..3).any(|i| apart(colours[0][i], colours[1][i]))
+            let lists = layers.iter().copied().chain(colours.iter().map(Vec::as_slice));
+            lists.into_iter().any(|points| steps(points, bend))
+                || pair[0].clear != pair[1].clear && pair.iter().any(|s| s.removed)
         };
         let jumps = list.windows(2).map(jump).collect();
         let gradients: Vec<f64> = transfer.layers.iter().map(|layer| layer.gradient).collect();
@@ -163,6 +175,7 @@ impl Stretches {
         Stretch {
             values: [value; 2],
             origin: value,
+            removed,
             clear: removed || opacity.iter().all(|line| line[0] == 0.0),
             opaque: !removed && opacity.iter().all(|line| line[0] == 1.0),
             colour: around.colour_at(value).map(|colour| [colour, 0.0]),
@@ -259,16 +272,26 @@ impl Stretches {
 
     /// The least and the largest colour of values.
     pub fn colours(&self, values: [f64; 2]) -> [[f64; 2]; 3] {
-        [0, 1, 2].map(|i| {
-            let of = |stretch: &Stretch| stretch.part(values).map(|value| stretch.colour_at(value)[i]);
-            hull(self.between(values).iter().flat_map(of))
-        })
+        colours(self.between(values).iter(), values)
+    }
+
+    /// The least and the largest colour of those values through which nothing is seen, whatever the gradient; none where there are none.
+    pub fn opaque_colours(&self, values: [f64; 2]) -> Option<[[f64; 2]; 3]> {
+        let opaque = self.between(values).iter().filter(|stretch| stretch.opaque);
+        opaque.clone().next().map(|_| colours(opaque, values))
     }
 
     /// The stretches of values in between, those that they touch with them.
     pub fn between(&self, [low, high]: [f64; 2]) -> &[Stretch] {
         &self.list[self.place(low.next_down())..=self.place(high)]
     }
+}
+
+fn colours<'a>(stretches: impl Iterator<Item = &'a Stretch> + Clone, values: [f64; 2]) -> [[f64; 2]; 3] {
+    [0, 1, 2].map(|i| {
+        let of = |stretch: &Stretch| stretch.part(values).map(|value| stretch.colour_at(value)[i]);
+        hull(stretches.clone().flat_map(of))
+    })
 }
 
 /// Where two stretches meet.
@@ -285,6 +308,12 @@ fn hull(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
     numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
 }
 
+/// The value of points at one end of a stretch, seen from the other end.
+fn end_of(points: &[[f64; 2]], end: f64, other: f64) -> f64 {
+    let [at, _] = line(points, end.min(other), end.max(other), end);
+    at
+}
+
 /// The line of points between two neighbouring bends.
 fn line(points: &[[f64; 2]], low: f64, high: f64, origin: f64) -> Line {
     let below = points.iter().rev().find(|point| point[0] <= low);
@@ -293,7 +322,11 @@ fn line(points: &[[f64; 2]], low: f64, high: f64, origin: f64) -> Line {
         (Some(&[from, a]), Some(&[to, b])) => {
             // Halves, so that the difference of the largest numbers does not overflow.
             let slope = (b - a) / (to * 0.5 - from * 0.5) * 0.5;
-            if slope == 0.0 || !slope.is_finite() { [a, 0.0] } else { [a + slope * (origin - from), slope] }
+            match origin {
+                _ if slope == 0.0 || !slope.is_finite() => [a, 0.0],
+                origin if origin == to => [b, slope],
+                origin => [a + slope * (origin - from), slope],
+            }
         }
         (Some(&[_, a]), None) | (None, Some(&[_, a])) => [a, 0.0],
         (None, None) => [0.0, 0.0],
