@@ -47,7 +47,8 @@ impl Known {
         if optics.scene.mode == Mode::WeightedSum {
             return Known { colour, depth: [least, most].map(|alpha| alpha * part.length()), hides_all: None };
         }
-        let least = -libm::log1p(-least) * part.length();
+        // What is rounded to 1 need not be.
+        let least = -libm::log1p(-least.min(1.0 - 4.0 * f64::EPSILON)) * part.length();
         if optics.two_dimensional {
             let most = if most < 1.0 {
                 -libm::log1p(-most) * part.length()
@@ -68,6 +69,15 @@ impl Known {
         }
         let hides_all = most.is_infinite().then_some(Hides { colour, before: 0.0 });
         Known { colour, depth: [least, most.max(least)], hides_all }
+    }
+
+    /// With a depth that is known to be no more than `most`: then not everything is hidden.
+    pub fn held(mut self, most: f64) -> Known {
+        if most < self.depth[1] {
+            self.depth[1] = most.max(self.depth[0]);
+            self.hides_all = None;
+        }
+        self
     }
 
     /// Half of the widest range of a colour.

@@ -86,10 +86,11 @@ impl Part {
         let gradient = piece.gradient.as_ref().map(|g| {
             PartGradient::new(g.along.map(|component| polynomial::about(&component, mid, half)), g.scale, g.slack)
         });
+        let value = polynomial::about(&piece.value, mid, half);
         Part {
             half,
-            value: polynomial::about(&piece.value, mid, half),
-            slack: piece.slack,
+            slack: piece.slack + polynomial::slack(&value),
+            value,
             gradient,
             cue: [piece.cue[0] + piece.cue[1] * mid, piece.cue[1] * half],
         }

@@ -4,7 +4,7 @@
 pub(crate) type Cubic = [f64; 4];
 
 /// What rounding can move a value of a polynomial by, as a part of the sum of its terms' magnitudes.
-pub(crate) const ROUNDING: f64 = 16.0 * f64::EPSILON;
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// The same cubic in ζ of x = mid + half·ζ.
 #[inline]
@@ -35,8 +35,15 @@ pub(crate) fn range(p: &Cubic) -> [f64; 2] {
         let value = at(p, turn);
         (low, high) = (low.min(value), high.max(value));
     }
-    let slack = ROUNDING * (moving + p[0].abs());
+    let slack = slack(p);
     [low - slack, high + slack]
+}
+
+/// What rounding can move a value on [−1, 1] by; nothing where it is one value.
+#[inline]
+pub(crate) fn slack(p: &Cubic) -> f64 {
+    let moving = p[1].abs() + p[2].abs() + p[3].abs();
+    if moving == 0.0 { 0.0 } else { ROUNDING * (moving + p[0].abs()) }
 }
 
 /// Where the slope is 0.

@@ -12,6 +12,7 @@ use crate::optics::{Obstacle, Optics};
 use crate::part::Part;
 use crate::polynomial;
 use crate::quadrature::{Added, Quadrature, Request};
+use crate::stretches::Bend;
 use cube3_scene::ResolvedLight;
 
 /// Parts of a ray that are looked at, at most; after that what is known of a part is taken as it is.
@@ -52,6 +53,8 @@ struct Task {
     last: bool,
     /// Behind it nothing is seen.
     then_opaque: bool,
+    /// No part is deeper than what it is a part of.
+    most_depth: f64,
 }
 
 /// Adds the pieces of one ray.
@@ -79,7 +82,7 @@ impl<'a> Ray<'a> {
     /// Adds the next piece from the front.
     pub fn add(&mut self, piece: &Piece) {
         self.tasks.clear();
-        self.tasks.push(Task { ends: [0.0, piece.length], last: false, then_opaque: false });
+        self.tasks.push(Task { ends: [0.0, piece.length], last: false, then_opaque: false, most_depth: f64::INFINITY });
         let mut seen = false;
         let arriving = self.integral.transmittance;
         while let Some(task) = self.tasks.pop() {
@@ -128,7 +131,7 @@ impl<'a> Ray<'a> {
         let last = task.last || smallest || self.integral.parts > MOST_PARTS;
         let stretch = self.quadrature.optics.stretches.around([low, high], if low == high { 0.0 } else { slack });
         let Some(stretch) = stretch else {
-            if last || !self.split_at_bend(&part, [low, high], task) {
+            if last || !self.split_at_bend(&part, [low, high], task, piece.end_slack) {
                 self.whole_or_halves(&part, task, last);
             }
             return true;
@@ -153,10 +156,13 @@ impl<'a> Ray<'a> {
     }
 
     /// Splits where values bend, if they do between the ends of a part and not only near them.
-    fn split_at_bend(&mut self, part: &Part, values: [f64; 2], task: Task) -> bool {
+    fn split_at_bend(&mut self, part: &Part, values: [f64; 2], task: Task, smallest: f64) -> bool {
         let value = |x: f64| polynomial::at(&part.value, x);
         let bends = self.quadrature.optics.stretches.bends(values);
-        let found = bends.filter_map(|bend| Some((polynomial::crossing(value, bend.value)?, bend))).next();
+        // A bend at which the part was split already may seem to be a bit inside.
+        let inside = |x: &f64| (1.0 - x.abs()) * part.half > 2.0 * smallest;
+        let crossing = |bend: Bend| Some((polynomial::crossing(value, bend.value).filter(inside)?, bend));
+        let found = bends.filter_map(crossing).next();
         let Some((x, bend)) = found else {
             let turn = polynomial::turns(&part.value).into_iter().flatten().find(|x| x.abs() < 1.0 - 1e-9);
             if let Some(x) = turn {
@@ -167,9 +173,6 @@ impl<'a> Ray<'a> {
         let rises = value(1.0) > value(-1.0);
         let opaque = bend.opaque[usize::from(rises)];
         if !bend.jumps {
-            if x.abs() >= 1.0 - 1e-12 {
-                return false;
-            }
             self.split(task, x, opaque);
             return true;
         }
@@ -181,9 +184,9 @@ impl<'a> Ray<'a> {
         let [from, to] = task.ends;
         let place = |x: f64| from + (x + 1.0) * 0.5 * (to - from);
         let (before, behind) = (place(x - around).max(from), place(x + around).min(to));
-        self.push([behind, to], false, task.then_opaque);
-        self.push([before, behind], true, opaque);
-        self.push([from, before], false, false);
+        self.push(Task { ends: [behind, to], last: false, ..task });
+        self.push(Task { ends: [before, behind], last: true, then_opaque: opaque, ..task });
+        self.push(Task { ends: [from, before], last: false, then_opaque: false, ..task });
         true
     }
 
@@ -191,13 +194,13 @@ impl<'a> Ray<'a> {
     fn split(&mut self, task: Task, x: f64, opaque: bool) {
         let [from, to] = task.ends;
         let middle = from + (x + 1.0) * 0.5 * (to - from);
-        self.push([middle, to], task.last, task.then_opaque);
-        self.push([from, middle], task.last, opaque);
+        self.push(Task { ends: [middle, to], ..task });
+        self.push(Task { ends: [from, middle], then_opaque: opaque, ..task });
     }
 
-    fn push(&mut self, ends: [f64; 2], last: bool, then_opaque: bool) {
-        if ends[1] > ends[0] {
-            self.tasks.push(Task { ends, last, then_opaque });
+    fn push(&mut self, task: Task) {
+        if task.ends[1] > task.ends[0] {
+            self.tasks.push(task);
         }
     }
 
@@ -205,7 +208,7 @@ impl<'a> Ray<'a> {
     fn whole_or_halves(&mut self, part: &Part, task: Task, last: bool) {
         let Quadrature { optics, lights, request } = self.quadrature;
         let arriving = self.integral.transmittance;
-        let known = Known::of(optics, lights, part);
+        let known = Known::of(optics, lights, part).held(task.most_depth);
         let allowed = request.allowed_range(self.integral.ranges);
         let small = match request.weight {
             Some(weight) => known.error_of_sum() * weight <= allowed,
@@ -218,7 +221,7 @@ impl<'a> Ray<'a> {
             self.integral.ranges += 1;
             self.take(&known);
         } else {
-            self.split(task, 0.0, false);
+            self.split(Task { most_depth: known.depth[1], ..task }, 0.0, false);
         }
     }
 
