@@ -34,6 +34,7 @@ mod rtl_pipeline;
 mod rtl_synthesis;
 mod rtl_vectors;
 mod sections;
+mod stiff;
 mod surface_gradients;
 mod symmetry;
 mod throughput;

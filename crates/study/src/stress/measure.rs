@@ -33,8 +33,8 @@ pub enum StressError {
     Truth(#[from] cube3_reference::RaycastError),
 }
 
-/// What a picture is held against.
-pub(crate) struct Truth {
+/// What pictures of a subject are held against.
+pub struct Truth {
     /// The scene in the grid of the volume.
     pub scene: Scene,
     /// The volume.
@@ -63,6 +63,10 @@ pub struct Measure {
 }
 
 impl Truth {
+    /// Of a subject.
+    ///
+    /// # Errors
+    /// A volume or a scene that is refused.
     pub fn new(subject: &Subject) -> Result<Truth, StressError> {
         let volume = subject.load()?;
         let scene = subject.scene.thickened(volume.single).into_owned();
@@ -77,8 +81,19 @@ impl Truth {
         Ok(Truth { scene, volume, integral, frames })
     }
 
-    /// The picture of a method, measured.
+    /// The picture of a method, measured; [`Measure::error`] is none in the modes that choose a sample.
+    ///
+    /// # Errors
+    /// What the method refuses.
     pub fn measure(&self, method: &'static Method, subject: &Subject) -> Result<Measure, StressError> {
+        Ok(self.picture(method, subject)?.0)
+    }
+
+    /// As [`Truth::measure`], with the picture.
+    ///
+    /// # Errors
+    /// What the method refuses.
+    pub fn picture(&self, method: &'static Method, subject: &Subject) -> Result<(Measure, Picture), StressError> {
         let start = Instant::now();
         let of = cube3_method::Subject::new(&self.scene, &subject.machine, &self.volume);
         let rendering = Choice::of(method).render(&of, &|_, _, _| {})?;
@@ -89,13 +104,13 @@ impl Truth {
         let in_range = channels().all(|c| (0.0..=1.0).contains(c));
         let mut measure = Measure { error: None, bound: FULL, kept: true, finite, in_range, seconds };
         if let Some(truth) = self.integral.as_ref().filter(|_| finite) {
-            let bounds = match rendering.bound {
-                Some(own) => own,
+            let bounds = match &rendering.bound {
+                Some(own) => own.clone(),
                 None => self.bounds(method, subject, &truth.picture),
             };
             measure.judge(picture, truth, &bounds);
         }
-        Ok(measure)
+        Ok((measure, rendering.picture))
     }
 
     /// The most that each pixel of a method that takes samples may be from the integral: how far the ends of its enclosure are, and what words add.

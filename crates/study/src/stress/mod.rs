@@ -13,12 +13,11 @@ mod subject;
 
 pub use cases::{CASES, Case};
 pub use formulas::{FORMULAS, Formula, Tried};
-pub use measure::{Measure, StressError};
+pub use measure::{Measure, StressError, Truth};
 pub use subject::Subject;
 
 use cube3_method::{Method, RenderError};
 use cube3_rendering::MethodError;
-use measure::Truth;
 use serde::Serialize;
 
 /// A method, or a formula, on a case.
