@@ -48,3 +48,15 @@ impl<E: Error> From<E> for Problem {
 
 /// Something, or a problem in words.
 pub type Outcome<T> = Result<T, Problem>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_found_and_what_cannot_be_done_end_otherwise() {
+        let codes = [Problem::found("beyond its bound").code(), Problem::new("no file").code()];
+        assert_eq!(codes, [1, 2]);
+        assert_eq!(Problem::from(std::fmt::Error).code(), 2);
+    }
+}

@@ -8,3 +8,4 @@ mod methods;
 mod report;
 mod sequence;
 mod stops;
+mod stress;

@@ -63,7 +63,7 @@ fn every_method_renders_and_says_what_it_took() {
     let path = folder.path();
     let mut digests = Vec::new();
     for name in names(path) {
-        let arguments = [&["render", "--method", &name, "--out", "made"], SMALL.as_slice()].concat();
+        let arguments = [&["render", "--method", &name, "--no-cache", "--out", "made"], SMALL.as_slice()].concat();
         assert!(good(path, &arguments).contains("samples in"), "{name}");
         let numbers: Value = serde_json::from_slice(&std::fs::read(path.join("made/rendering.json")).unwrap()).unwrap();
         assert_eq!(numbers["method"], name);
