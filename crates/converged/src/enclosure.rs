@@ -84,8 +84,8 @@ impl Around<'_> {
         let dims = self.volume.dims;
         let far = self.reach + self.margin;
         let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
-        for i in 0..3 {
-            let (low, high) = (-far, (dims[i] - 1) as f64 + far);
+        for (i, n) in dims.into_iter().enumerate() {
+            let (low, high) = (-far, (n - 1) as f64 + far);
             let (origin, rate) = (line.origin[i], line.direction[i]);
             if rate == 0.0 {
                 if origin < low || origin > high {

@@ -194,8 +194,8 @@ impl Quadrature<'_> {
             for (&x, share) in rule.nodes.iter().zip(&rule.weights) {
                 let opacity = part.half * share * self.optics.opacity(part, stretch, layers, x);
                 let colour = self.optics.colour(part, stretch, self.lights, x);
-                for i in 0..3 {
-                    added.colour[i] += opacity * colour[i];
+                for (sum, colour) in added.colour.iter_mut().zip(colour) {
+                    *sum += opacity * colour;
                 }
                 added.depth += opacity;
             }

@@ -178,7 +178,8 @@ impl<'a> Ray<'a> {
         }
         let slope = part.value[1] + x * (2.0 * part.value[2] + x * 3.0 * part.value[3]);
         let around = (64.0 * part.slack / slope.abs()).max(4.0 * f64::EPSILON);
-        if !(around < 1e-3) {
+        // Where values hardly move rounding leaves too much open.
+        if around.is_nan() || around >= 1e-3 {
             return false;
         }
         let [from, to] = task.ends;

@@ -54,7 +54,7 @@ fn value(field: Field, [x, y, z]: [usize; 3], dims: [usize; 3]) -> f64 {
             let off = [x, y, z].iter().zip(dims).map(|(&i, n)| (i as f64 - (n - 1) as f64 / 2.0).powi(2)).sum::<f64>();
             (255.0 - 6.0 * off).clamp(0.0, 255.0).round()
         }
-        Field::Noise => f64::from(((x * 73 + y * 151 + z * 211) * 2_654_435_761 >> 5) as u8),
+        Field::Noise => f64::from((((x * 73 + y * 151 + z * 211) * 2_654_435_761) >> 5) as u8),
     }
 }
 

@@ -100,7 +100,7 @@ pub const CASES: &[Case] = &[
         vec![Subject::of_samples(dims, Samples::U8((0..SIDE.pow(3)).map(noise).collect())).lit()]
     }),
     case("fields", "noise of all values, lit", || {
-        let noise = |i: usize| (i as u32).wrapping_mul(2_654_435_761) as u8 >> 0;
+        let noise = |i: usize| ((i as u32).wrapping_mul(2_654_435_761) >> 13) as u8;
         vec![Subject::of_samples([SIDE; 3], Samples::U8((0..SIDE.pow(3)).map(noise).collect())).lit()]
     }),
     Case {
