@@ -63,26 +63,35 @@ pub(crate) fn turns(p: &Cubic) -> [Option<f64>; 2] {
     [over(q, a), over(c, q)]
 }
 
-/// Where a polynomial takes a level between −1 and 1, if it is on different sides of it at both: by bisection and secants in turn.
+/// Where a polynomial takes a level between −1 and 1, if it is on different sides of it at both: by secants that keep coming from both sides
+/// (the Illinois rule), and halves where they are slow.
 pub(crate) fn crossing(f: impl Fn(f64) -> f64, level: f64) -> Option<f64> {
     let (mut left, mut right) = (-1.0, 1.0);
     let (mut at_left, mut at_right) = (f(left) - level, f(right) - level);
     if at_left == 0.0 || at_right == 0.0 || (at_left < 0.0) == (at_right < 0.0) {
         return None;
     }
-    for step in 0..60 {
+    let first = at_left < 0.0;
+    let mut moved_left = None;
+    for step in 0..120 {
         let secant = left - at_left * (right - left) / (at_right - at_left);
         let middle = f64::midpoint(left, right);
-        let x = if step % 3 != 2 && secant > left && secant < right { secant } else { middle };
+        let x = if step % 4 != 3 && secant > left && secant < right { secant } else { middle };
         let value = f(x) - level;
-        if value == 0.0 || right - left < 1e-15 {
+        if value == 0.0 || right - left < 4.0 * f64::EPSILON {
             return Some(x);
         }
-        if (value < 0.0) == (at_left < 0.0) {
+        let is_left = (value < 0.0) == first;
+        if is_left {
             (left, at_left) = (x, value);
         } else {
             (right, at_right) = (x, value);
         }
+        // An end that stays is weighed half, so that the next secant comes from its side.
+        if moved_left == Some(is_left) {
+            if is_left { at_right /= 2.0 } else { at_left /= 2.0 }
+        }
+        moved_left = Some(is_left);
     }
     Some(f64::midpoint(left, right))
 }
@@ -120,5 +129,14 @@ mod tests {
                 prop_assert!((at(&p, x) - level).abs() < 1e-13);
             }
         }
+    }
+
+    /// Secants alone stay on one side here.
+    #[test]
+    fn a_crossing_beside_a_turn_is_found_to_the_last_bits() {
+        let p = [0.265_251_791_728_347_6, 0.0, -1.596_190_819_542_737_7, 1.408_162_637_157_578];
+        let level = -0.157_243_776_284_637_15;
+        let x = crossing(|x| at(&p, x), level).unwrap();
+        assert!((at(&p, x) - level).abs() < 1e-15, "{x}");
     }
 }

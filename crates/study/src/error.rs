@@ -37,8 +37,10 @@ pub enum StudyError {
     /// A view in which no ray comes near the volume.
     #[error("the volume has no frame in this view; try another view")]
     NoFrame,
-    /// An eye, whose picture has several frames.
-    #[error("a parallel view has one frame")]
+    /// An eye, whose picture may have several frames, each with words of its own.
+    #[error(
+        "word lengths are studied in one frame, and a perspective view may have several; leave view.perspective out of the scene, or --fov"
+    )]
     ManyFrames,
     /// A scene that shows nothing.
     #[error("the scene shows nothing, in words or in reals, and there is no error to study; try another scene or view")]

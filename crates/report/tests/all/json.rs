@@ -174,7 +174,7 @@ fn another_schema_is_named() {
     let mut value = value();
     value["schema"] = json!(1);
     let error = from_json(&value.to_string()).unwrap_err();
-    assert!(matches!(error, ReportError::Schema { found: 1, expected: 2 }), "{error}");
+    assert!(matches!(error, ReportError::Schema { found: 1, expected: 3 }), "{error}");
 }
 
 #[test]

@@ -135,9 +135,12 @@ impl<'a> SceneCase<'a> {
     /// A scene to be measured on designs of a machine. Of the volume its data count; voxel words are made of them.
     ///
     /// # Errors
-    /// A perspective view: there is no reference with the same samples.
+    /// A perspective view: its frames have words of their own.
     pub fn new(scene: &'a Scene, machine: &'a MachineSpec, volume: &'a LoadedVolume) -> Outcome<SceneCase<'a>> {
         SHEARED.check(scene)?;
+        if scene.view.perspective.is_some() {
+            return Err(StudyError::ManyFrames);
+        }
         Ok(SceneCase {
             scene,
             machine,
