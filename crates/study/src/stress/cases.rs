@@ -3,7 +3,7 @@
 use super::subject::Subject;
 use cube3_scene::{Crop, Cut, DepthCue, Layer, Light, Mode, Perspective, Threshold, View};
 use cube3_volume::Samples;
-use cube3_word::Rounding;
+use cube3_word::{Length, Rounding, Words};
 
 /// A case.
 pub struct Case {
@@ -180,6 +180,19 @@ pub const CASES: &[Case] = &[
             words(|w| w.weight_bits = 2),
         ]
     }),
+    case("words", "each word at its fewest and at its most bits", || {
+        let of = |length: &Length, bits: fn(&Length, &Words) -> u32| {
+            words(|words| {
+                let bits = bits(length, words);
+                *(length.of_mut)(words) = bits;
+            })
+        };
+        // A length that others must follow is tried with what it is by itself.
+        let ends =
+            |length: &Length| [of(length, |length, _| length.low), of(length, |length, words| length.largest(words))];
+        let all = Words::LENGTHS.iter().flat_map(ends);
+        all.filter(|subject| subject.machine.words.check().is_ok()).collect()
+    }),
     case("words", "colour, opacity and accumulator of 4 to 32 bits, both roundings", || {
         let both = [Rounding::Nearest, Rounding::Truncate];
         both.into_iter()
@@ -237,6 +250,6 @@ fn eye_at(eye: [f64; 3], field_of_view_deg: f64) -> Subject {
     ball().view(View { perspective: Some(perspective), ..View::from_angles(10.0, 5.0) })
 }
 
-fn words(change: impl FnOnce(&mut cube3_word::Words)) -> Subject {
+fn words(change: impl FnOnce(&mut Words)) -> Subject {
     ball().lit().with(|subject| change(&mut subject.machine.words))
 }

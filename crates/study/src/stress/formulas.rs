@@ -3,11 +3,13 @@
 use super::LEVELS;
 use crate::words::thin::{SAMPLES, THICKEST, ThinCase};
 use crate::words::wire::Order;
+use cube3_abc::golden::normalise;
 use cube3_cone::golden::{Node, leaf, pixel, reduce};
-use cube3_frame::ConeRegisters;
+use cube3_frame::{ConeRegisters, Normaliser};
 use cube3_machine::ConeOrder;
 use cube3_scene::{Mode, corrected_opacity};
 use cube3_word::{Rounding, Words, lerp, quantise_unit, unit_full, unit_mul};
+use glam::DVec3;
 use std::f64::consts::LN_2;
 
 /// A way to compute, and how far it is off at worst.
@@ -127,6 +129,23 @@ pub const FORMULAS: &[Formula] = &[
         bound: 0.5,
     },
     Formula {
+        name: "normal of 15 bits of gradients of 1 to 2^23, on axes, off them, on diagonals",
+        unit: "length",
+        classic: Some(|| Tried {
+            name: "the largest bits shifted, no root: |g| by its largest component",
+            error: normals(&largest_alone),
+        }),
+        ours: || Tried { name: "block shift, table of reciprocal roots", error: normals(&by_table) },
+        bound: normal_bound(),
+    },
+    Formula {
+        name: "opacity and colour of 1 to 16 bits, to the nearest word",
+        unit: "last bits",
+        classic: None,
+        ours: || Tried { name: "round(x·(2^b - 1))", error: unit_words() },
+        bound: 0.5 + 1e-9,
+    },
+    Formula {
         name: "growth of error, bits cut off: order in the samples, less 1",
         unit: "order",
         classic: None,
@@ -199,6 +218,61 @@ fn template(bits: i32) -> f64 {
     let one = f64::from(bits).exp2();
     let off = |slope: f64| 511.0 * ((slope * one).round() / one - slope).abs();
     256.0 * (0..=1000).map(|i| off(f64::from(i) / 1000.0)).fold(0.0, f64::max)
+}
+
+/// Bits of a normal's component, and of the index of its table of reciprocal roots.
+const NORMAL_BITS: u32 = 15;
+const ROOT_BITS: u32 = 10;
+
+/// The most that the normaliser's vector is off the unit vector by: bits cut off below the block's last, half a bin of the table and its word,
+/// three rounded products (the book, *A bound of the error*).
+const fn normal_bound() -> f64 {
+    let root_of_three = 1.732_050_807_568_877_2;
+    let last = 1.0 / (1_u64 << (NORMAL_BITS - 1)) as f64;
+    let bin = 1.0 / (1_u64 << (ROOT_BITS + 2)) as f64;
+    2.0 * root_of_three * last
+        + bin * (1.0 + 1.0 / (1_u64 << ROOT_BITS) as f64)
+        + root_of_three * last
+        + 0.5 * root_of_three * last
+}
+
+fn by_table(gradient: [i32; 3], table: &Normaliser) -> DVec3 {
+    let words = Words { normal_bits: NORMAL_BITS, gradient_bits: 24, ..Words::default() };
+    let one = f64::from(1 << (NORMAL_BITS - 1));
+    DVec3::from(normalise(gradient, table, &words).direction.map(|component| f64::from(component) / one))
+}
+
+fn largest_alone(gradient: [i32; 3], _: &Normaliser) -> DVec3 {
+    let gradient = DVec3::from(gradient.map(f64::from));
+    gradient / gradient.abs().max_element()
+}
+
+/// The farthest that a vector is from the gradient's unit vector.
+fn normals(of: &dyn Fn([i32; 3], &Normaliser) -> DVec3) -> f64 {
+    let table = Normaliser::new(NORMAL_BITS, ROOT_BITS);
+    let mut most = 0.0_f64;
+    for shift in 0..23 {
+        let one = 1_i32 << shift;
+        for rest in [0, 1, one / 7, one / 3, one / 2, one - 1, one] {
+            for gradient in [[one, 0, 0], [rest, one, 0], [one, rest, -rest], [-rest, one / 3, one], [one, -one, one]] {
+                let exact = DVec3::from(gradient.map(f64::from)).normalize();
+                most = most.max((of(gradient, &table) - exact).length());
+            }
+        }
+    }
+    most
+}
+
+fn unit_words() -> f64 {
+    let mut most = 0.0_f64;
+    for bits in 1..=16 {
+        let full = f64::from(unit_full(bits));
+        for i in 0..=4096 {
+            let x = f64::from(i) / 4096.0;
+            most = most.max((f64::from(quantise_unit(x, bits)) - x * full).abs());
+        }
+    }
+    most
 }
 
 fn lerps(rounding: Rounding) -> f64 {
