@@ -226,7 +226,7 @@ impl Blocks {
     fn hold(&self, name: &str) {
         for view in views() {
             let scene = self.scene(&view);
-            hold(&format!("{name}"), &self.volume, &scene, |pixel| {
+            hold(name, &self.volume, &scene, |pixel| {
                 let Some((chord, layers)) = self.layers(&scene, pixel) else { return (scene.background, 0.0) };
                 let steepest = layers.iter().fold(0.0_f64, |most, layer| most.max(-(-layer.1).ln_1p()));
                 let (colour, left) = layered(layers);
