@@ -65,7 +65,9 @@ fn tried((exponent, colour): (i32, &'static str)) -> Tried {
                 continue;
             };
             let apart = |k: usize| (made.picture.pixels[i][k] - truth.picture.pixels[i][k]).abs();
-            tried.points.push([*bound, apart(0).max(apart(1)).max(apart(2))]);
+            let error = apart(0).max(apart(1)).max(apart(2));
+            assert!(error <= bound + truth.bounds[i], "scene {seed} at {tolerance:e}: {error:e} is above {bound:e}");
+            tried.points.push([*bound, error]);
         }
     }
     tried.evaluations /= (tried.points.len() + tried.unknown) as f64;
