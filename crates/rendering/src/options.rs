@@ -51,7 +51,7 @@ impl MethodOption {
     /// The text of a value.
     fn text(&self, value: f64) -> String {
         match self.kind {
-            OptionKind::Number { .. } => value.to_string(),
+            OptionKind::Number { .. } => shown(value),
             OptionKind::Word(words) => words.get(value as usize).copied().unwrap_or_default().to_owned(),
         }
     }
@@ -60,11 +60,16 @@ impl MethodOption {
     pub fn values(&self) -> String {
         match self.kind {
             OptionKind::Number { range: [least, largest], default, unit } => {
-                format!("{least} to {largest} {unit}, {default} without it")
+                format!("{} to {} {unit}, {} without it", shown(least), shown(largest), shown(default))
             }
             OptionKind::Word(words) => format!("{}, {} without it", words.join(" or "), words[0]),
         }
     }
+}
+
+/// A number as it can be given; small ones by their exponent.
+fn shown(value: f64) -> String {
+    if value != 0.0 && value.abs() < 1e-3 { format!("{value:e}") } else { value.to_string() }
 }
 
 /// A value for each option of a method, in the order of its rows.

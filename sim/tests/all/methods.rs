@@ -104,7 +104,7 @@ fn any_method_can_be_the_reference() {
         assert!(error["reference_bound"].is_null());
     }
     let own = against("image-order:0.25")["reference"].clone();
-    assert_eq!((own["of"].as_str(), own["against"].as_str()), (Some("image-order:0.25"), Some("converged:0.00001")));
+    assert_eq!((own["of"].as_str(), own["against"].as_str()), (Some("image-order:0.25"), Some("converged:1e-5")));
     assert!(own["against_bound"].as_f64().is_some_and(|bound| bound > 0.0 && bound <= 1e-5), "{own}");
 }
 
@@ -122,7 +122,7 @@ fn the_converged_integral_is_a_reference_with_a_bound_and_is_kept() {
     let (first, second, without) = (run(&cache), run(&cache), run(&["--no-cache"]));
     for (_, error) in [&first, &second, &without] {
         assert_eq!(error, &first.1);
-        assert_eq!(error["against"], "converged:0.0001");
+        assert_eq!(error["against"], "converged:1e-4");
         assert!(error["reference_bound"].as_f64().is_some_and(|bound| bound > 0.0 && bound <= 1e-4), "{error}");
     }
     let found = "the reference was made by an earlier run";

@@ -130,7 +130,7 @@ fn a_pattern_that_aliases_in_both_is_seen_in_the_references_own_error() {
     assert!((machine_ - through(0.04, 16.0)).abs() < 0.1 && (reference - machine_).abs() < 0.1);
     let error = coarse.report.error.unwrap();
     let own = error.reference.clone().unwrap();
-    assert_eq!((own.of.as_str(), own.against.as_str()), ("image-order:1", "converged:0.00001"));
+    assert_eq!((own.of.as_str(), own.against.as_str()), ("image-order:1", "converged:1e-5"));
     assert!(own.against_bound.is_some_and(|bound| bound <= 1e-5));
     // What is measured is the volume's border, over which the warp fades.
     let measured = error.footprint.error.unwrap().mean_relative;

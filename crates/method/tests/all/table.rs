@@ -327,7 +327,7 @@ fn a_method_with_a_finer_one_says_how_far_it_is_from_itself() {
         own_error(&choice, &subject, &picture).unwrap()
     };
     let coarse = own("image-order:2").unwrap();
-    assert_eq!([coarse.of.to_string(), coarse.against.to_string()], ["image-order:2", "converged:0.00001"]);
+    assert_eq!([coarse.of.to_string(), coarse.against.to_string()], ["image-order:2", "converged:1e-5"]);
     assert!(coarse.bound.is_some_and(|bound| bound > 0.0 && bound <= 1e-5));
     let fine = own("image-order:0.25").unwrap();
     assert!(fine.error.mean_relative < coarse.error.mean_relative / 4.0, "{fine:?} {coarse:?}");
