@@ -6,4 +6,5 @@ mod closed_forms;
 mod exact;
 mod fields;
 mod metamorphic;
+mod rounding;
 mod scenes;
