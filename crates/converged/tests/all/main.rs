@@ -9,4 +9,5 @@ mod fields;
 mod fifty_digits;
 mod metamorphic;
 mod nasty;
+mod rounding;
 mod scenes;
