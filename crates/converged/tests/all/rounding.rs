@@ -196,7 +196,7 @@ fn full_opacity_at_a_cubic_zero_is_hidden_by_its_logarithm() {
         let unlit = unlit(&view, opacity, &[(0.0, [1.0; 3])]);
         let mut scene = Scene { image: Image { width_px: 1, height_px: 1, pixel_size_voxel: None }, ..unlit };
         scene.crop = Some(cube3_scene::Crop { min_voxel: [0.0; 3], max_voxel: [side; 3] });
-        for tolerance in (1..=40).map(|i| 0.3 / 1.4_f64.powi(i)) {
+        for tolerance in (1..=8).map(|i| 0.3 / 1.6_f64.powi(i)) {
             let made = made(&volume, &scene, tolerance);
             // ∫ −ln((t/L)³) dt over L.
             let left = (-3.0 * side * 3.0_f64.sqrt()).exp();
