@@ -190,6 +190,13 @@ mod tests {
         }
     }
 
+    /// Of an exponent below 1 the farthest is beside 0, not on the other side.
+    #[test]
+    fn a_root_as_a_power_reaches_to_the_root_of_what_is_left() {
+        let disc = Disc::new(1.0, 0.99).power(0.5).unwrap();
+        assert!(disc.mid - disc.radius <= 0.1 && disc.mid + disc.radius >= 1.99_f64.sqrt(), "{disc:?}");
+    }
+
     #[test]
     fn nothing_is_said_of_roots_and_logarithms_at_zero() {
         for disc in [Disc::new(1.0, 1.0), Disc::new(-1.0, 0.5), Disc::new(0.0, 0.0)] {
