@@ -49,7 +49,7 @@ pub(crate) struct Integral {
 #[derive(Clone, Copy, Debug)]
 struct Task {
     ends: [f64; 2],
-    /// Around a jump, and as small as can be: it is taken as it is.
+    /// Around a bend, and as small as can be: it is taken as it is.
     last: bool,
     /// Behind it nothing is seen.
     then_opaque: bool,
@@ -149,13 +149,13 @@ impl<'a> Ray<'a> {
         match layers.ok_or(Obstacle::Near).and_then(analytic) {
             Ok(added) => self.apply(added),
             // Near an end halves come away from it sooner.
-            Err(Obstacle::At(x)) if !last && x.abs() < 1.0 - 1e-3 => self.split(task, x, false),
+            Err(Obstacle::At(x)) if !last && x.abs() < 1.0 - 1e-3 => self.split(task, x),
             Err(_) => self.whole_or_halves(&part, task, last),
         }
         true
     }
 
-    /// Splits where values bend, if they do between the ends of a part and not only near them.
+    /// Splits around where values bend, as near to it as rounding allows, if they do between the ends of a part and not only near them.
     fn split_at_bend(&mut self, part: &Part, values: [f64; 2], task: Task, smallest: f64) -> bool {
         let value = |x: f64| polynomial::at(&part.value, x);
         let bends = self.quadrature.optics.stretches.bends(values);
@@ -166,16 +166,12 @@ impl<'a> Ray<'a> {
         let Some((x, bend)) = found else {
             let turn = polynomial::turns(&part.value).into_iter().flatten().find(|x| x.abs() < 1.0 - 1e-9);
             if let Some(x) = turn {
-                self.split(task, x, false);
+                self.split(task, x);
             }
             return turn.is_some();
         };
         let rises = value(1.0) > value(-1.0);
         let opaque = bend.opaque[usize::from(rises)];
-        if !bend.jumps {
-            self.split(task, x, opaque);
-            return true;
-        }
         let slope = part.value[1] + x * (2.0 * part.value[2] + x * 3.0 * part.value[3]);
         let around = (64.0 * part.slack / slope.abs()).max(4.0 * f64::EPSILON);
         // Where values hardly move rounding leaves too much open.
@@ -191,12 +187,12 @@ impl<'a> Ray<'a> {
         true
     }
 
-    /// At ζ, behind which nothing is seen where `opaque`.
-    fn split(&mut self, task: Task, x: f64, opaque: bool) {
+    /// At ζ.
+    fn split(&mut self, task: Task, x: f64) {
         let [from, to] = task.ends;
         let middle = from + (x + 1.0) * 0.5 * (to - from);
         self.push(Task { ends: [middle, to], ..task });
-        self.push(Task { ends: [from, middle], then_opaque: opaque, ..task });
+        self.push(Task { ends: [from, middle], then_opaque: false, ..task });
     }
 
     fn push(&mut self, task: Task) {
@@ -219,10 +215,11 @@ impl<'a> Ray<'a> {
             },
         };
         if small || last {
-            self.integral.ranges += 1;
+            // What cannot be split any more has no share.
+            self.integral.ranges += u64::from(!last);
             self.take(&known);
         } else {
-            self.split(Task { most_depth: known.depth[1], ..task }, 0.0, false);
+            self.split(Task { most_depth: known.depth[1], ..task }, 0.0);
         }
     }
 

@@ -17,8 +17,6 @@ pub(crate) struct Stretch {
     pub opacity: Vec<Line>,
     /// Red, green and blue.
     pub colour: [Line; 3],
-    /// Outside of the threshold.
-    removed: bool,
     /// Nothing of it is seen.
     pub clear: bool,
     /// Nothing is seen through it.
@@ -85,12 +83,10 @@ pub(crate) enum Layers {
 #[derive(Clone, Debug)]
 pub(crate) struct Stretches {
     list: Vec<Stretch>,
-    /// Whether opacity or colour jumps at the bend above each stretch.
-    jumps: Vec<bool>,
     /// The layers' gradients.
     pub gradients: Vec<f64>,
-    /// Whether two layers have one gradient: opacity jumps there.
-    gradient_jumps: bool,
+    /// Whether rounding must not take a gradient beyond a layer: two have one gradient, so that opacity jumps there, or one hides everything.
+    strict_layers: bool,
     threshold: Option<Threshold>,
 }
 
@@ -131,7 +127,6 @@ impl Stretches {
             Stretch {
                 values: [low, high],
                 origin,
-                removed,
                 clear: removed || all(0.0),
                 opaque: !removed && all(1.0),
                 colour: [0, 1, 2].map(|i| line(&colours[i], low, high, origin)),
@@ -139,21 +134,10 @@ impl Stretches {
             }
         };
         let list: Vec<Stretch> = ends.map(stretch).collect();
-        // Two points of one value that differ; and the edge of the threshold, unless it is clear on both sides.
-        let steps = |points: &[[f64; 2]], bend: f64| {
-            let mut of = points.iter().filter(|point| point[0] == bend).map(|point| point[1]);
-            of.next().is_some_and(|first| of.next_back().is_some_and(|last| last != first))
-        };
-        let jump = |pair: &[Stretch]| {
-            let bend = pair[0].values[1];
-            let lists = layers.iter().copied().chain(colours.iter().map(Vec::as_slice));
-            lists.into_iter().any(|points| steps(points, bend))
-                || pair[0].clear != pair[1].clear && pair.iter().any(|s| s.removed)
-        };
-        let jumps = list.windows(2).map(jump).collect();
         let gradients: Vec<f64> = transfer.layers.iter().map(|layer| layer.gradient).collect();
-        let gradient_jumps = gradients.windows(2).any(|pair| pair[0] == pair[1]);
-        Stretches { list, jumps, gradients, gradient_jumps, threshold: scene.threshold.clone() }
+        let full = |layer: usize| list.iter().any(|stretch| !stretch.clear && stretch.opacity[layer] == [1.0, 0.0]);
+        let strict_layers = gradients.windows(2).any(|pair| pair[0] == pair[1]) || (0..gradients.len()).any(full);
+        Stretches { list, gradients, strict_layers, threshold: scene.threshold.clone() }
     }
 
     /// The place of the stretch of a value; at a bend of the one above.
@@ -175,7 +159,6 @@ impl Stretches {
         Stretch {
             values: [value; 2],
             origin: value,
-            removed,
             clear: removed || opacity.iter().all(|line| line[0] == 0.0),
             opaque: !removed && opacity.iter().all(|line| line[0] == 1.0),
             colour: around.colour_at(value).map(|colour| [colour, 0.0]),
@@ -183,35 +166,22 @@ impl Stretches {
         }
     }
 
-    /// The one stretch of all values in between, which are known to within `slack`: they may be beyond a bend by as much, but not where
-    /// something jumps. None where they are of several.
+    /// The one stretch of all values in between, which are known to within `slack`; none where they are of several, or may be.
     pub fn around(&self, [low, high]: [f64; 2], slack: f64) -> Option<Cow<'_, Stretch>> {
         if low == high && slack == 0.0 {
             return Some(Cow::Owned(self.at(low)));
         }
-        let fits = |i: usize| {
-            let [from, to] = self.list[i].values;
-            let room = |jump: Option<&bool>| if jump == Some(&true) { -slack } else { slack };
-            let below = if i == 0 { None } else { self.jumps.get(i - 1) };
-            from - room(below) <= low && high <= to + room(self.jumps.get(i))
-        };
-        let first = self.place(f64::midpoint(low, high));
-        [Some(first), first.checked_sub(1), Some(first + 1).filter(|&i| i < self.list.len())]
-            .into_iter()
-            .flatten()
-            .find(|&i| fits(i))
-            .map(|i| Cow::Borrowed(&self.list[i]))
+        let stretch = &self.list[self.place(f64::midpoint(low, high))];
+        let [from, to] = stretch.values;
+        (from + slack <= low && high <= to - slack).then_some(Cow::Borrowed(stretch))
     }
 
-    /// Bends between two values, each with whether something jumps there and whether the stretch above and below it are opaque.
+    /// Bends between two values.
     pub fn bends(&self, [low, high]: [f64; 2]) -> impl Iterator<Item = Bend> + '_ {
         let first = self.place(low).saturating_sub(1);
-        (first..self.jumps.len())
-            .map(|i| Bend {
-                value: self.list[i].values[1],
-                jumps: self.jumps[i],
-                opaque: [self.list[i].opaque, self.list[i + 1].opaque],
-            })
+        self.list[first..]
+            .windows(2)
+            .map(|pair| Bend { value: pair[0].values[1], opaque: [pair[0].opaque, pair[1].opaque] })
             .skip_while(move |bend| bend.value < low)
             .take_while(move |bend| bend.value <= high)
     }
@@ -220,7 +190,7 @@ impl Stretches {
     pub fn layers(&self, [low, high]: [f64; 2], slack: f64) -> Option<Layers> {
         let g = &self.gradients;
         let Some(last) = g.len().checked_sub(1) else { return Some(Layers::One(0)) };
-        let slack = if self.gradient_jumps { -slack } else { slack };
+        let slack = if self.strict_layers { -slack } else { slack };
         if high <= g[0] + slack {
             return Some(Layers::One(0));
         }
@@ -298,7 +268,6 @@ fn colours<'a>(stretches: impl Iterator<Item = &'a Stretch> + Clone, values: [f6
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bend {
     pub value: f64,
-    pub jumps: bool,
     /// Of the stretches below and above.
     pub opaque: [bool; 2],
 }
