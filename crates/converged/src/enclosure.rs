@@ -14,8 +14,8 @@ const WINDOW_VOXEL: f64 = 0.5;
 /// The ranges of a parallel picture's pixels for the integral and for every method whose samples are near the ray.
 ///
 /// A method that takes samples stands, at each place along the ray, for the opacity and the colour of a sample somewhere near. If that is
-/// within `reach_voxel` of the place, along each axis, and made of voxels within it, then its opacity and colour are between the least and the
-/// largest that voxels within it have, and so are the integral's. Windows of the ray are composited from back to front with these ranges: c·A + (1 − A)·X is
+/// within `reach_voxel` of the place, along each axis, then its opacity and colour are between the least and the largest that the voxels of all
+/// cells in reach have, and so are the integral's. Windows of the ray are composited from back to front with these ranges: c·A + (1 − A)·X is
 /// linear in each of the three, so its ends are at ends of theirs. Where the reach leaves what is drawn, there may be nothing. Lit colours are between
 /// ambient light alone and all light at once. So a range is as wide as the field changes within the reach: of a homogeneous medium it is open at
 /// the ends of the ray alone.

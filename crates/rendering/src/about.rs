@@ -20,8 +20,8 @@ pub struct About {
     pub options: &'static [MethodOption],
     /// Whether its arithmetic is that of the machine's words.
     pub in_words: bool,
-    /// How far a sample, and a voxel that it is made of, may be from a place on a parallel pixel's ray that it stands for, in voxels along each
-    /// axis, without options given: what a bound of its error goes by.
+    /// How far a sample may be from a place on a parallel pixel's ray that it stands for, in voxels along each axis, without options given; the
+    /// voxels of the cell around it are in reach with it. What a bound of its error goes by.
     pub reach_voxel: f64,
 }
 
