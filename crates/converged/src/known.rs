@@ -50,10 +50,11 @@ impl Known {
         // What is rounded to 1 need not be.
         let least = -libm::log1p(-least.min(1.0 - 4.0 * f64::EPSILON)) * part.length();
         if optics.two_dimensional {
-            let most = if most < 1.0 {
-                -libm::log1p(-most) * part.length()
-            } else {
-                most_depth_by_gradient(optics, part, values)
+            // One minus it, less what rounding may have taken.
+            let clear = 1.0 - most - 8.0 * f64::EPSILON;
+            let most = match clear > 0.0 {
+                true => -libm::log(clear) * part.length(),
+                false => most_depth_by_gradient(optics, part, values),
             };
             let hides_all = most.is_infinite().then_some(Hides { colour, before: 0.0 });
             return Known { colour, depth: [least, most.max(least)], hides_all };
