@@ -15,6 +15,9 @@ use rayon::prelude::*;
 /// The least and the largest tolerance that can be asked for: below, rounding is more than it; above, it is no picture.
 pub const TOLERANCES: [f64; 2] = [1e-13, 0.5];
 
+/// A direction's component below this moves by less than rounding over any ray.
+const ALONG: f64 = 1e-12;
+
 /// What is asked of the rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConvergedOptions {
@@ -160,6 +163,12 @@ impl Caster<'_> {
     /// Cell by cell from the front.
     fn walk(&self, field: &dyn Field, line: &Line, [enter, leave]: [f64; 2], ray: &mut Ray<'_>) {
         let half = if self.labels { 0.5 } else { 0.0 };
+        // A line along a face is on it, whatever rounding says.
+        let mut line = *line;
+        for (i, n) in self.dims.into_iter().enumerate().filter(|&(i, _)| line.direction[i].abs() < ALONG) {
+            line.origin[i] = line.origin[i].clamp(-half, (n - 1) as f64 + half);
+        }
+        let line = &line;
         let last = [0, 1, 2].map(|i| self.dims[i] as isize - if self.labels { 1 } else { 2 });
         let at = |t: f64| [0, 1, 2].map(|i| line.origin[i] + line.direction[i] * t + half);
         let start = at(enter);
