@@ -96,22 +96,6 @@ impl Part {
         }
     }
 
-    /// Its first bit, of a length.
-    pub fn start(&self, length: f64) -> Part {
-        let half = (length / self.half / 2.0).min(1.0);
-        let mid = half - 1.0;
-        let gradient = self.gradient.as_ref().map(|g| {
-            PartGradient::new(g.along.map(|component| polynomial::about(&component, mid, half)), g.scale, g.slack)
-        });
-        Part {
-            half: self.half * half,
-            value: polynomial::about(&self.value, mid, half),
-            slack: self.slack,
-            gradient,
-            cue: [self.cue[0] + self.cue[1] * mid, self.cue[1] * half],
-        }
-    }
-
     /// Its length.
     pub fn length(&self) -> f64 {
         2.0 * self.half

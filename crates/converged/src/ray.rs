@@ -141,7 +141,7 @@ impl<'a> Ray<'a> {
         }
         let layers = self.quadrature.optics.layers(&part);
         if layers.is_some_and(|layers| stretch.is_opaque(layers)) && self.quadrature.request.weight.is_none() {
-            self.opaque(&part, piece);
+            self.opaque(piece, task.ends);
             return true;
         }
         let arriving = self.integral.transmittance;
@@ -256,9 +256,9 @@ impl<'a> Ray<'a> {
     }
 
     /// Behind the beginning of this part nothing is seen.
-    fn opaque(&mut self, part: &Part, piece: &Piece) {
+    fn opaque(&mut self, piece: &Piece, [from, to]: [f64; 2]) {
         // A bit of the way, as the beginning is not known better.
-        let start = part.start(piece.end_slack);
+        let start = Part::of(piece, [from, to.min(from + piece.end_slack)]);
         let mut colours = self.quadrature.optics.colours(&start, self.quadrature.lights, false);
         if let Some(before) = self.integral.pending.take() {
             for (range, before) in colours.iter_mut().zip(before) {
