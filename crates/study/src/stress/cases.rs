@@ -35,7 +35,16 @@ pub const CASES: &[Case] = &[
     }),
     case("opacity", "opacity that a word cannot hold, seen through 18 and 200 voxels", || {
         let thin = |dims| Subject::new(dims, |_| 200.0).opacity(&[[0.0, 4e-6]]);
-        vec![thin([SIDE; 3]), thin([6, 200, 6]), fog(200.0, 7e-6)]
+        vec![thin([SIDE; 3]), near(thin([6, 200, 6]).view(View::from_angles(1.0, 0.5))), fog(200.0, 7e-6)]
+    }),
+    case("opacity", "512 samples of the smallest opacity that a word of 16 bits holds", || {
+        let dims = [5, 512, 5];
+        vec![near(Subject::new(dims, |_| 200.0).opacity(&[[0.0, 1.01 / 65535.0]]).view(View::from_angles(0.0, 0.0)))]
+    }),
+    case("opacity", "depths of 0.01 to 36,000 in a step, in voxels 1000 long", || {
+        [1e-5, 1e-3, 0.7, 1.0 - f64::EPSILON / 2.0]
+            .map(|alpha| Subject::new([9; 3], |_| 200.0).opacity(&[[0.0, alpha]]).spacing([1.0, 1000.0, 1.0]))
+            .into()
     }),
     case("opacity", "a step, which rays cross at every angle", || {
         [[[100.0, 0.0], [100.0, 0.3]], [[100.0, 0.0], [100.0, 1.0]], [[100.0, 1.0], [100.0, 0.0]]]
@@ -211,6 +220,11 @@ pub const CASES: &[Case] = &[
 
 fn fog(value: f64, alpha: f64) -> Subject {
     Subject::new([SIDE; 3], move |_| value).opacity(&[[0.0, alpha]])
+}
+
+/// With pixels so near that many rays run through all of a long volume.
+fn near(subject: Subject) -> Subject {
+    subject.with(|subject| subject.scene.image.pixel_size_voxel = Some(0.3))
 }
 
 /// Values that grow along y.

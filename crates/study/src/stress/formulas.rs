@@ -68,6 +68,13 @@ pub const FORMULAS: &[Formula] = &[
         bound: FEW_ROUNDINGS,
     },
     Formula {
+        name: "opacity of 1e-15 and of 1e15 steps of 1/2",
+        unit: "relative",
+        classic: Some(|| worst("1 - (1 - a)^l by pow", |l| off(1.0 - 0.5_f64.powf(l), many_steps(l)), &STEPS)),
+        ours: || worst("-expm1(l·log1p(-a))", |l| off(corrected_opacity(0.5, l), many_steps(l)), &STEPS),
+        bound: FEW_ROUNDINGS,
+    },
+    Formula {
         name: "emission through a depth of 2^-20 to 2^-100: (1 - e^-t)/t",
         unit: "relative",
         classic: Some(|| {
@@ -164,6 +171,7 @@ pub const FORMULAS: &[Formula] = &[
 const DEPTHS: [f64; 4] = [2.0, 5.0, 20.0, 60.0];
 const FAINT: [f64; 4] = [20.0, 40.0, 60.0, 100.0];
 const DENSE: [f64; 3] = [10.0, 30.0, 53.0];
+const STEPS: [f64; 2] = [1e-15, 1e15];
 const TINY: f64 = 1.0 / (1_u64 << 40) as f64;
 
 fn worst(name: &'static str, error: impl Fn(f64) -> f64, places: &[f64]) -> Tried {
@@ -185,6 +193,12 @@ fn half_step(k: f64) -> f64 {
 fn short_step(k: f64) -> f64 {
     let depth = k * LN_2 * TINY;
     depth * (1.0 - depth / 2.0)
+}
+
+/// 1 − 2^−ℓ by its series, or 1.
+fn many_steps(l: f64) -> f64 {
+    let depth = l * LN_2;
+    if depth > 1.0 { 1.0 } else { depth * (1.0 - depth / 2.0) }
 }
 
 /// (1 − e^−t)/t for t = 2^−k by its series.
