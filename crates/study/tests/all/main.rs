@@ -1,3 +1,4 @@
 //! Tests of `cube3-study` from outside, one module each.
 
+mod stress;
 mod word_lengths;
