@@ -3,7 +3,7 @@
 //! Inside of a cell a trilinear field is a cubic along a line, and so is each component of the interpolated central differences.
 
 use crate::polynomial::Cubic;
-use cube3_reference::{Line, LinearCue};
+use cube3_reference::{Grid, Line, LinearCue};
 use cube3_volume::Sample;
 
 /// The corners of a cell, x fastest.
@@ -17,50 +17,30 @@ pub(crate) trait Field: Sync {
     fn gradients(&self, corner: [isize; 3]) -> [Corners; 3];
 }
 
-/// A volume of voxels; `border` beyond them.
-pub(crate) struct Grid<'a, S> {
-    pub samples: &'a [S],
-    pub dims: [usize; 3],
-    pub border: f64,
-    /// The spacing in units of the smallest.
-    pub per_voxel: [f64; 3],
-    /// Every cell is one voxel, of one value.
-    pub labels: bool,
+/// The central difference at a voxel along an axis, in values for the smallest spacing.
+fn difference<S: Sample>(grid: &Grid<'_, S>, at: [isize; 3], axis: usize) -> f64 {
+    let beside = |by: isize| {
+        let mut at = at;
+        at[axis] += by;
+        grid.voxel(at)
+    };
+    (beside(1) - beside(-1)) * 0.5 / grid.per_voxel[axis]
 }
 
-impl<S: Sample> Grid<'_, S> {
-    fn voxel(&self, at: [isize; 3]) -> f64 {
-        if (0..3).any(|i| at[i] < 0 || at[i] as usize >= self.dims[i]) {
-            return self.border;
-        }
-        let [x, y, z] = at.map(|i| i as usize);
-        self.samples[(z * self.dims[1] + y) * self.dims[0] + x].into()
+/// Something of each corner of a cell; of a voxel of labels of itself.
+fn at_corners<S: Sample>(grid: &Grid<'_, S>, corner: [isize; 3], of: impl Fn([isize; 3]) -> f64) -> Corners {
+    if grid.nearest() {
+        return [of(corner); 8];
     }
-
-    fn difference(&self, at: [isize; 3], axis: usize) -> f64 {
-        let beside = |by: isize| {
-            let mut at = at;
-            at[axis] += by;
-            self.voxel(at)
-        };
-        (beside(1) - beside(-1)) * 0.5 / self.per_voxel[axis]
-    }
-
-    /// Something of each corner of a cell; of a voxel of labels of itself.
-    fn at_corners(&self, corner: [isize; 3], of: impl Fn([isize; 3]) -> f64) -> Corners {
-        if self.labels {
-            return [of(corner); 8];
-        }
-        let beside = |i: usize, axis: usize| corner[axis] + (i >> axis & 1) as isize;
-        [0, 1, 2, 3, 4, 5, 6, 7].map(|i| of([beside(i, 0), beside(i, 1), beside(i, 2)]))
-    }
+    let beside = |i: usize, axis: usize| corner[axis] + (i >> axis & 1) as isize;
+    [0, 1, 2, 3, 4, 5, 6, 7].map(|i| of([beside(i, 0), beside(i, 1), beside(i, 2)]))
 }
 
 impl<S: Sample> Field for Grid<'_, S> {
     fn corners(&self, corner: [isize; 3]) -> Corners {
         let inside = |i: usize| corner[i] >= 0 && (corner[i] as usize) + 1 < self.dims[i];
-        if self.labels || !(inside(0) && inside(1) && inside(2)) {
-            return self.at_corners(corner, |at| self.voxel(at));
+        if self.nearest() || !(inside(0) && inside(1) && inside(2)) {
+            return at_corners(self, corner, |at| self.voxel(at));
         }
         let [x, y, z] = corner.map(|i| i as usize);
         let (row, slice) = (self.dims[0], self.dims[0] * self.dims[1]);
@@ -70,7 +50,7 @@ impl<S: Sample> Field for Grid<'_, S> {
     }
 
     fn gradients(&self, corner: [isize; 3]) -> [Corners; 3] {
-        [0, 1, 2].map(|axis| self.at_corners(corner, |at| self.difference(at, axis)))
+        [0, 1, 2].map(|axis| at_corners(self, corner, |at| difference(self, at, axis)))
     }
 }
 

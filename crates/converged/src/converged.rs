@@ -1,12 +1,12 @@
 //! The picture: a ray for each pixel.
 
-use crate::cell::{Field, Grid, Place, depth_along, extremes};
+use crate::cell::{Field, Place, depth_along, extremes};
 use crate::optics::Optics;
 use crate::quadrature::Request;
 use crate::ray::{Integral, Ray};
 use cube3_picture::Picture;
 use cube3_reference::{
-    Drawn, Line, LinearCue, Progress, RaycastError, RowCount, check_volume, margin, nearest_axis, thickened,
+    Drawn, Grid, Line, LinearCue, Progress, RaycastError, RowCount, check_volume, margin, nearest_axis, thickened,
 };
 use cube3_scene::{ImagePlane, Mode, ResolvedLight, Scene, over, resolve_lights, smallest_spacing, turn_lights};
 use cube3_volume::{Volume, with_samples};
@@ -110,7 +110,7 @@ pub fn converged(
     let [width, height] = [plane.width, plane.height].map(|pixels| pixels.div_ceil(every));
     let mut pixels = vec![([0.0; 3], 0.0); width * height];
     let evaluations = with_samples!(&volume.samples, v => {
-        let grid = Grid { samples: v, dims: volume.dims, border: options.border, per_voxel, labels: caster.labels };
+        let grid = Grid { samples: v, dims: volume.dims, border: options.border, per_voxel, margin: margin(scene) };
         let field: &dyn Field = &grid;
         let cast = |(row, pixels): (usize, &mut [([f64; 3], f64)])| {
             let mut lights = lights.clone();

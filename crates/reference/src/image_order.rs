@@ -1,6 +1,7 @@
 //! Image-order ray casting: rays from the picture's pixels, steps of one length, exact interpolation.
 
 use crate::check::{check_volume, thickened};
+use crate::grid::Grid;
 use crate::integrate::{Integrator, Ray, SamplePoint, StepWeights};
 use crate::interpolate::cell;
 use crate::line::{Line, nearest_axis};
@@ -193,17 +194,6 @@ fn cast_ray<S: Sample>(
     (integrator.finish(&ray, sample_at), taken)
 }
 
-/// The volume as the rays see it: `border` beyond its voxels.
-struct Grid<'a, S> {
-    samples: &'a [S],
-    dims: [usize; 3],
-    border: f64,
-    /// The spacing in units of the smallest.
-    per_voxel: [f64; 3],
-    /// How far the box reaches beyond the voxel centres; above 0 a value is the nearest voxel's.
-    margin: f64,
-}
-
 /// A cell of eight voxels, by its corner of the smallest coordinates, and the place in it; of labels the nearest voxel, and the way from it.
 #[derive(Clone, Copy)]
 struct Cell {
@@ -223,16 +213,11 @@ impl<S: Sample> Grid<'_, S> {
         Cell { corner, weights: [0, 1, 2].map(|i| position[i] - corner[i] as f64) }
     }
 
-    #[inline(always)]
-    fn nearest(&self) -> bool {
-        self.margin > 0.0
-    }
-
     /// The interpolated value, or the nearest.
     #[inline(always)]
     fn value(&self, at: Cell) -> f64 {
         if self.nearest() {
-            return self.voxel(at.corner, [0; 3]);
+            return self.voxel(at.corner);
         }
         let [x, y, z] = at.corner;
         let inside = |i: isize, n: usize| i >= 0 && (i as usize) + 1 < n;
@@ -248,17 +233,10 @@ impl<S: Sample> Grid<'_, S> {
 
     #[cold]
     fn value_at_border(&self, at: Cell) -> f64 {
-        let corners = [0, 1].map(|z| [0, 1].map(|y| [0, 1].map(|x| self.voxel(at.corner, [x, y, z]))));
+        let corners = [0, 1].map(|z| {
+            [0, 1].map(|y| [0, 1].map(|x| self.voxel([at.corner[0] + x, at.corner[1] + y, at.corner[2] + z])))
+        });
         cell(corners, at.weights)
-    }
-
-    fn voxel(&self, corner: [isize; 3], by: [isize; 3]) -> f64 {
-        let at = [0, 1, 2].map(|i| corner[i] + by[i]);
-        if (0..3).any(|i| at[i] < 0 || at[i] as usize >= self.dims[i]) {
-            return self.border;
-        }
-        let [x, y, z] = at.map(|i| i as usize);
-        self.samples[(z * self.dims[1] + y) * self.dims[0] + x].into()
     }
 }
 

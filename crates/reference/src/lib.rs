@@ -14,7 +14,7 @@
 //!
 //! - [`check_volume`], [`thickened`]: what may be drawn, and as what.
 //! - [`Line`]: the ray of a pixel. [`Drawn`]: the stretch of a line inside of box, crop and cuts. [`LinearCue`]: depth along it.
-//! - [`lerp`], [`cell`]: interpolation between voxels.
+//! - [`Grid`], [`lerp`], [`cell`]: interpolation between voxels.
 //! - [`Integrator`]: from the samples of a [`Ray`] to its pixel: opacity, light, depth cue and the six modes; it asks a [`SamplePoint`].
 //! - [`Progress`], [`RowCount`]: how far a caster is.
 
@@ -23,6 +23,7 @@
 mod check;
 mod cue;
 mod error;
+mod grid;
 mod image_order;
 mod integrate;
 mod interpolate;
@@ -34,6 +35,7 @@ mod span;
 pub use check::{check_volume, thickened};
 pub use cue::LinearCue;
 pub use error::RaycastError;
+pub use grid::Grid;
 pub use image_order::{ImageOrderOptions, ImageRendering, image_order};
 pub use integrate::{Integrator, Ray, SamplePoint, StepWeights};
 pub use interpolate::{cell, lerp};
